@@ -389,7 +389,7 @@ void Server::stop() {
   static_cast<void>(p.hand_over(""));
   // It calls the standby; and no place is taken any more.
   p.membership->leave();
-  p.standby.reset();
+  if (p.standby) p.standby->leave();
   p.presence.reset();
   // In this order no new command is taken, those under way and the questions that are queued are answered, and then the
   // world ends its contacts and reports that.

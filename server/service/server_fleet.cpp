@@ -41,6 +41,7 @@ SelfDescription Server::Parts::describe_self() {
                 return term.is_over() ? ServerState::recovering : loop.state();
               },
           .alarm = alarm,
+          .settled_ns = [this] { return loop.settled_lately_ns(); },
           .following =
               [this, is_following] {
                 if (is_following()) return standby->following();
@@ -53,6 +54,7 @@ SelfDescription Server::Parts::describe_self() {
                 succession.hear(other);
                 followers.hear(other);
               },
+          .gone = [this](std::uint64_t server) { succession.forget(server); },
           .digested =
               [this, is_following](const DigestMaker& made) {
                 if (is_following()) standby->note_own(made.newest(), made.state());

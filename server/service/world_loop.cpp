@@ -105,6 +105,7 @@ void WorldLoop::keep_time() {
   publishers_.settle(with_.clock.now_ns());
   if (recovering() && has_recovered()) recovering_.store(false);
   write_status(state());
+  settled_lately_ns_.store(settled_ns(), std::memory_order_release);
   if (now_ns < next_tick_ns_) return;
   next_tick_ns_ = now_ns + kTickNs;
   // What came into a band is told once it has lasted, and who is nearest once all are known, though nothing moves.

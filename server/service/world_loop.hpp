@@ -105,6 +105,8 @@ class WorldLoop {
   /// World time up to which every contact is decided and told: what has come since the last step is not. Where nothing is
   /// at work, that is the clock. The world's thread only.
   std::int64_t settled_ns() const;
+  /// The same as of the last status. Any thread.
+  std::int64_t settled_lately_ns() const { return settled_lately_ns_.load(std::memory_order_acquire); }
   const LoopCounts& counts() const { return counts_; }
   /// Any thread.
   const StepSums& sums() const { return sums_; }
@@ -171,6 +173,7 @@ class WorldLoop {
   std::atomic<bool> stopping_{false};
   std::atomic<std::thread::id> thread_{};
   std::atomic<bool> recovering_{false};
+  std::atomic<std::int64_t> settled_lately_ns_{0};
   std::atomic<std::int64_t> asks_until_ns_{0};  // steady clock: publishers are asked to define everything again
   std::int64_t started_ns_ = 0;
   std::vector<Arrival> arrivals_;

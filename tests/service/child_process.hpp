@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "tests/service/own_domain.hpp"
+
 namespace collided::testing_support {
 
 /// A program run beside the test, its output in a file. Ends with the object: SIGTERM, then SIGKILL.
@@ -42,8 +44,5 @@ class ScratchFolder {
  private:
   std::string path_;
 };
-
-/// A DDS domain from 101 to 190 that no other test process uses while this one lives.
-int own_domain();
 
 }  // namespace collided::testing_support

@@ -245,6 +245,24 @@ TEST_F(ServerTakeover, ASignalToEndHandsOverToo) {
 }
 
 // As under a supervisor: each is started again in the same way when it ends.
+/// As Ctrl-C does it with both in one terminal: the place is handed to a standby that is ending, too.
+TEST_F(ServerTakeover, APairThatIsEndedAtOnceEndsInOrder) {
+  for (int round = 0; round < 4; ++round) {
+    SCOPED_TRACE(round);
+    ChildProcess& primary = join("north" + std::to_string(round), false);
+    Client client = connect();
+    Publisher publisher = publish(client, "nobody");
+    ChildProcess& standby = join("south" + std::to_string(round), true);
+    ASSERT_TRUE(becomes_ready("south" + std::to_string(round), publisher)) << standby.errors();
+    primary.signal(SIGTERM);
+    standby.signal(SIGTERM);
+    EXPECT_EQ(primary.wait(20s), 0) << primary.errors();
+    EXPECT_EQ(standby.wait(20s), 0) << standby.errors();
+    EXPECT_EQ(primary.errors().find("within 3 s"), std::string::npos) << primary.errors();
+    servers_.clear();
+  }
+}
+
 TEST_F(ServerTakeover, MembersThatJoinTakeThePartThatIsLeft) {
   const auto start_member = [&](const std::string& name) -> ChildProcess& {
     return join(name, false, {"--join", "collided"});

@@ -97,7 +97,7 @@ void SimulatedServer::tick(std::int64_t now_ns) {
   next_status_ns_ = now_ns + wire_contract::kStatusPeriodNs;
   publishers_.settle(now_ns);
   say_status(now_ns);
-  digests_.make(now_ns);
+  digests_.make(now_ns, world_.settled_ns(now_ns));
 }
 
 void SimulatedServer::speak(std::int64_t now_ns, const service::SpokenBefore& before) {

@@ -32,10 +32,12 @@ ChangeFollower::ChangeFollower(const dds::Participant& participant, std::uint64_
   thread_ = named_thread("follower", [this] { run(); });
 }
 
-ChangeFollower::~ChangeFollower() {
-  is_over_.store(true);
+ChangeFollower::~ChangeFollower() { leave(); }
+
+void ChangeFollower::leave() {
+  give_up();
   waitset_.wake();
-  thread_.join();
+  if (thread_.joinable()) thread_.join();
 }
 
 void ChangeFollower::follow(std::uint64_t primary, const std::string& name) {

@@ -40,6 +40,8 @@ class ChangeFollower {
   bool follow_heir(std::uint64_t heir, const std::string& name, std::uint64_t carried_out);
   /// Carries out nothing any more: the primary is given up.
   void give_up() { is_over_.store(true); }
+  /// The same, and waits for what is under way; not for the own thread.
+  void leave();
   /// The number of the newest of the primary's changes that was carried out.
   std::uint64_t carried_out() const { return last_sequence_.load(); }
   /// Which primary it follows; 0: none yet.

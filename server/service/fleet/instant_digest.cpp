@@ -9,17 +9,22 @@ namespace {
 constexpr std::int64_t kSecondNs = 1'000'000'000;
 /// What is older than this has come and was stepped over, unless its publisher is behind: then it is not settled.
 constexpr std::int64_t kPatienceNs = 1'000'000'000;
+/// A publisher that lives and has said nothing for so long counts as one whose objects rest: else a world of such ones, which
+/// DDS allows, could never be compared.
+constexpr std::int64_t kSilentNs = 5'000'000'000;
 
 }  // namespace
 
-bool DigestMaker::make(std::int64_t now_ns) {
+bool DigestMaker::make(std::int64_t now_ns, std::int64_t settled_ns) {
   const SnapshotRing::Lease newest = world_.newest();
-  // A world that has not stepped since is at the instant as it is now.
+  // In a world that has not stepped since, who has spoken since has rested; what the others will say of that time nobody knows.
   const bool is_quiet = newest->world_time_ns <= now_ns - kPatienceNs - kSecondNs;
-  const std::int64_t settled_ns = is_quiet ? now_ns - kPatienceNs : std::min(newest->settled_ns, now_ns - kPatienceNs);
+  if (settled_ns <= now_ns - kSilentNs) settled_ns = now_ns;
+  if (!is_quiet) settled_ns = newest->settled_ns;
+  settled_ns = std::min(std::max(settled_ns, newest->settled_ns), now_ns - kPatienceNs);
   const std::int64_t instant_ns = settled_ns / kSecondNs * kSecondNs;
   if (instant_ns <= newest_.time_ns) return false;
-  if (!is_quiet) return make_past(*newest, instant_ns);
+  if (instant_ns < newest->world_time_ns) return make_past(*newest, instant_ns);
   if (state_ && newest->version == quiet_version_) {
     newest_.time_ns = instant_ns;
     return true;

@@ -24,8 +24,10 @@ class DigestMaker {
   explicit DigestMaker(const World& world) : world_(world) {}
 
   /// Works out the digest of the newest whole second that is settled, unless that is done. False: there is no newer one.
-  /// cost  all objects, and an index over them
-  bool make(std::int64_t now_ns);
+  ///
+  /// settled_ns  up to which all is known where nothing has changed since the world's newest state; found before the call
+  /// cost        all objects, and an index over them
+  bool make(std::int64_t now_ns, std::int64_t settled_ns);
   /// The newest that was made.
   const InstantDigest& newest() const { return newest_; }
   /// The state that it is of; null: there is none.

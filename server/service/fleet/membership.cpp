@@ -106,7 +106,7 @@ void Membership::run() {
     take();
     if (!says_now_.exchange(false) && steady_ns() < next_ns) continue;
     next_ns = steady_ns() + wire_contract::kMemberPeriodNs;
-    if (!others_.empty() && digests_.make(clock_.now_ns())) self_.digested(digests_);
+    if (!others_.empty() && digests_.make(clock_.now_ns(), self_.settled_ns())) self_.digested(digests_);
     report(faults());
     write();
   }
@@ -117,6 +117,7 @@ void Membership::take() {
     if (heard_->server == identity_.server) continue;
     if (heard_.info().instance_state != DDS_ALIVE_INSTANCE_STATE) {
       others_.erase(heard_->server);
+      self_.gone(heard_->server);
     } else if (heard_.info().valid_data) {
       hear(heard_);
       if (const auto other = others_.find(heard_->server); other != others_.end()) self_.heard(other->second);

@@ -51,8 +51,10 @@ struct SelfDescription {
   std::string name;
   std::function<wire_contract::ServerState()> state;
   std::function<std::string()> alarm;             // what is wrong with this server, one sentence a line; empty: nothing
+  std::function<std::int64_t()> settled_ns;       // see DigestMaker::make
   std::function<Following()> following;           // of a primary: whose place it has taken, or nobody's
   std::function<void(const OtherMember&)> heard;  // called with each message of another one
+  std::function<void(std::uint64_t)> gone;        // called with the number of another one that has left, or is lost
   std::function<void(const DigestMaker&)> digested;  // called with each new digest of the own world
 };
 

@@ -39,6 +39,15 @@ Standby::Standby(const dds::Participant& participant, const Identity& identity,
                                              .is_replaced = is_given_place_});
 }
 
+void Standby::leave() {
+  {
+    const std::lock_guard lock(taking_mutex_);
+    has_left_ = true;
+  }
+  pulse_.reset();
+  follower_.leave();
+}
+
 void Standby::hear(const OtherMember& other) {
   if (other.role == MemberRole::replica) return;
   if (other.role != MemberRole::primary) {
@@ -132,7 +141,7 @@ std::string Standby::what_is_missing() const {
 bool Standby::take_place(const std::string& why) {
   const std::lock_guard lock(taking_mutex_);
   if (has_place_) return true;
-  if (!may_take_place()) return false;
+  if (has_left_ || !may_take_place()) return false;
   Predecessor of{
       .server = follower_.primary(),
       .spoken = {.heard_ns = pulse_ ? pulse_->heard_ns() : steady_ns(), .same_from_ns = same_from_ns_.load()},

@@ -50,6 +50,8 @@ class Standby {
   void on_compared(std::function<void(std::int64_t instant_ns, bool is_same)> compared) {
     compared_ = std::move(compared);
   }
+  /// No place is taken from now on, and nothing carried out; hear() and note_own() are not to be called any more.
+  void leave();
   void hear(const OtherMember& other);
   void note_own(const InstantDigest& digest, std::shared_ptr<const Snapshot> state);
   /// Takes the primary's place, if this server holds all that it had. False: it does not.
@@ -99,8 +101,9 @@ class Standby {
   std::uint64_t primary_epoch_ = 0;
   std::map<std::uint64_t, Rival> rivals_;   // by server
   std::atomic<bool> is_left_alone_{false};  // the primary is silent, and this server is not ready
-  std::mutex taking_mutex_;                 // held while the place is taken; for the next one
+  std::mutex taking_mutex_;                 // held while the place is taken; for the next two
   bool has_place_ = false;
+  bool has_left_ = false;
   ChangeFollower follower_;
   std::optional<PrimaryPulse> pulse_;
 };

@@ -83,6 +83,16 @@ void Succession::hear(const OtherMember& other) {
   }
 }
 
+void Succession::forget(std::uint64_t server) {
+  const std::lock_guard lock(mutex_);
+  followers_.erase(server);
+}
+
+bool Succession::stands_by(std::uint64_t server) const {
+  const std::lock_guard lock(mutex_);
+  return followers_.contains(server);
+}
+
 void Succession::lose_place(const std::string& why) {
   if (!has_heir_.exchange(true) && !hands_over_.load()) give_way(why);
 }
@@ -135,12 +145,14 @@ bool Succession::hand_over(ChangeFeed& feed, const Heir& to) {
   if (is_silent) feed.tell({.text = handover_text(*words), .blob = {}});
   constexpr std::int64_t kPatienceNs = 3'000'000'000;
   const std::int64_t until_ns = steady_ns() + kPatienceNs;
-  while (!has_heir_.load() && steady_ns() < until_ns) std::this_thread::sleep_for(kLook);
+  while (!has_heir_.load() && stands_by(to.server) && steady_ns() < until_ns) std::this_thread::sleep_for(kLook);
   if (has_heir_.load() || !with_.take_place_back()) {
     with_.notice(fmt::format("'{}' has this server's place", to.name));
     return true;
   }
-  with_.notice(fmt::format("'{}' has not taken this server's place within 3 s", to.name));
+  const char* const why = stands_by(to.server) ? "has not taken this server's place within 3 s"
+                                               : "has left before it took this server's place";
+  with_.notice(fmt::format("'{}' {}", to.name, why));
   hands_over_.store(false);
   with_.takes_questions.store(true);
   static_cast<void>(done_on_world_thread([this] { with_.speak({}); }));

@@ -19,7 +19,7 @@ namespace collided::engine::service {
 /// Which part this server has in its namespace, and how that changes: a standby takes the place of a primary that has fallen
 /// silent or hands over, and a primary gives way to a standby that has taken its place.
 ///
-/// threads  hear() for one, the rest for any
+/// threads  hear() and forget() for one, the rest for any
 class Succession {
  public:
   struct Collaborators {
@@ -47,6 +47,8 @@ class Succession {
   /// Another server of the namespace has said what it is. Where it has taken this one's place, this one falls silent and
   /// has its process end. So does one of two that have joined at once, that which began later.
   void hear(const OtherMember& other);
+  /// Another server of the namespace has left.
+  void forget(std::uint64_t server);
   /// The authority says that another server has this one's place: likewise.
   void lose_place(const std::string& why);
   /// This server stands by and cannot follow the primary any more. One that joins has its process end.
@@ -70,7 +72,8 @@ class Succession {
   void choose(const std::string& name);
   /// Who was chosen, once; empty: nobody.
   std::string take_choice();
-  /// Hands over, and waits until that one is the primary. False: it does not take the place, and this server goes on.
+  /// Hands over, and waits until that one is the primary. False: it does not take the place, or has left, and this server
+  /// goes on.
   /// Nothing else may change the world meanwhile.
   bool hand_over(ChangeFeed& feed, const Heir& to);
   /// Whether this server ends since another one is the primary now without having been asked to.
@@ -84,6 +87,7 @@ class Succession {
   };
   /// Has the world's thread do it, and waits. False: it does not come to it.
   bool done_on_world_thread(std::function<void()> job) const;
+  bool stands_by(std::uint64_t server) const;
   void give_way(const std::string& why);
 
   const Collaborators with_;

@@ -6,11 +6,12 @@
 
 #include "idl/dds.hpp"
 #include "tests/service/eventually.hpp"
+#include "tests/service/own_domain.hpp"
 
 /// Where a test's participants meet: away from those of tests that run at the same time.
 namespace collided::test {
 
-inline int own_domain() { return 1 + static_cast<int>(getpid() % 100); }
+using testing_support::own_domain;
 inline std::string own_namespace() { return "test_" + std::to_string(getpid()); }
 
 /// The far side of the network inside this process: a second Cyclone domain with the same number on the wire.

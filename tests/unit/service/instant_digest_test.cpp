@@ -22,9 +22,9 @@ ObjectId ball(World& world, std::uint64_t publisher) {
 TEST(InstantDigest, AWorldThatNeverStepsHasAState) {
   const World world{WorldOptions{}};
   DigestMaker digests(world);
-  ASSERT_TRUE(digests.make(kStart));
+  ASSERT_TRUE(digests.make(kStart, kStart));
   ASSERT_NE(digests.state(), nullptr);
-  ASSERT_TRUE(digests.make(kStart + kSecond));
+  ASSERT_TRUE(digests.make(kStart + kSecond, kStart + kSecond));
   EXPECT_NE(digests.state(), nullptr);
 }
 
@@ -44,6 +44,8 @@ class Moving {
     ASSERT_TRUE(world.step(kStart + 24 * kBatch, 1, {}));
   }
 
+  std::int64_t settled_ns() const { return world.settled_ns(kStart + 4 * kSecond); }
+
   World world{WorldOptions{.memory = {.reach_ns = 30 * kSecond}}};
 };
 
@@ -53,12 +55,12 @@ TEST(InstantDigests, WhenAWorldStepsDoesNotShow) {
   seldom.run(3);
   DigestMaker first(often.world);
   DigestMaker second(seldom.world);
-  ASSERT_TRUE(first.make(kStart + 3 * kSecond));
-  ASSERT_TRUE(second.make(kStart + 3 * kSecond + kSecond / 2));
+  ASSERT_TRUE(first.make(kStart + 3 * kSecond, often.settled_ns()));
+  ASSERT_TRUE(second.make(kStart + 3 * kSecond + kSecond / 2, seldom.settled_ns()));
   EXPECT_EQ(first.newest().time_ns, kStart + 2 * kSecond);
   EXPECT_EQ(second.newest().time_ns, kStart + 2 * kSecond);
   EXPECT_EQ(first.newest().digest, second.newest().digest);
-  EXPECT_FALSE(first.make(kStart + 3 * kSecond + kSecond / 2)) << "there is no newer second yet";
+  EXPECT_FALSE(first.make(kStart + 3 * kSecond + kSecond / 2, often.settled_ns())) << "there is no newer second yet";
 }
 
 TEST(InstantDigests, AWorldAtRestHasOneForEachSecondAndTheSame) {
@@ -66,10 +68,10 @@ TEST(InstantDigests, AWorldAtRestHasOneForEachSecondAndTheSame) {
   ball(world, 0);
   ASSERT_TRUE(world.step(kStart, 1, {}));
   DigestMaker digests(world);
-  ASSERT_TRUE(digests.make(kStart + 10 * kSecond));
+  ASSERT_TRUE(digests.make(kStart + 10 * kSecond, world.settled_ns(kStart + 10 * kSecond)));
   EXPECT_EQ(digests.newest().time_ns, kStart + 9 * kSecond);
   const WorldDigest before = digests.newest().digest;
-  ASSERT_TRUE(digests.make(kStart + 11 * kSecond));
+  ASSERT_TRUE(digests.make(kStart + 11 * kSecond, world.settled_ns(kStart + 11 * kSecond)));
   EXPECT_EQ(digests.newest().time_ns, kStart + 10 * kSecond);
   EXPECT_EQ(digests.newest().digest, before);
 }
@@ -83,8 +85,41 @@ TEST(InstantDigests, ASecondThatAPublisherHasNotReachedWaits) {
   world.advance(7, kStart + 3 * kSecond);
   ASSERT_TRUE(world.step(kStart + 9 * kSecond, 1, {}));
   DigestMaker digests(world);
-  ASSERT_TRUE(digests.make(kStart + 10 * kSecond));
+  ASSERT_TRUE(digests.make(kStart + 10 * kSecond, world.settled_ns(kStart + 10 * kSecond)));
   EXPECT_EQ(digests.newest().time_ns, kStart + 3 * kSecond);
+}
+
+/// A ball that its publisher has named, and moved at the start.
+class MovedOnce {
+ public:
+  MovedOnce() {
+    const ObjectId id = ball(world, 7);
+    EXPECT_TRUE(world.move(id, {.position = {1, 0, 0}}, kStart, false));
+    world.advance(7, kStart);
+    EXPECT_TRUE(world.step(kStart + 1, 1, {}));
+  }
+  bool make(std::int64_t now_ns) { return digests.make(now_ns, world.settled_ns(now_ns)); }
+
+  World world{WorldOptions{.memory = {.reach_ns = 30 * kSecond}}};
+  DigestMaker digests{world};
+};
+
+// Where nothing steps, either: its next word may say that its objects have moved all the while.
+TEST(InstantDigests, NoSecondOfALongPauseIsComparedBeforeThePublisherSpeaks) {
+  MovedOnce moved;
+  for (std::int64_t now_ns = kStart + kSecond; now_ns < kStart + 5 * kSecond; now_ns += kSecond / 4) {
+    moved.make(now_ns);
+    ASSERT_LE(moved.digests.newest().time_ns, kStart);
+  }
+  moved.world.advance(7, kStart + 4 * kSecond);  // it has rested; with no other publisher that is no reason to step
+  ASSERT_TRUE(moved.make(kStart + 5 * kSecond + kSecond / 2));
+  EXPECT_EQ(moved.digests.newest().time_ns, kStart + 4 * kSecond);
+}
+
+TEST(InstantDigests, APublisherThatIsSilentForLongHoldsNothingUp) {
+  MovedOnce moved;
+  ASSERT_TRUE(moved.make(kStart + 7 * kSecond));
+  EXPECT_EQ(moved.digests.newest().time_ns, kStart + 6 * kSecond);
 }
 
 }  // namespace
