@@ -20,10 +20,7 @@ using keys::KeyRole;
 class Intruder {
  public:
   Intruder(const std::string& keys, const std::string& handshake)
-      : participant_({.domain = test::own_domain(),
-                      .keys = keys,
-                      .handshake = handshake,
-                      .process_domain = test::own_domain() + 110}),
+      : participant_({.domain = test::own_domain(), .keys = keys, .handshake = handshake, .process_domain = 1}),
         topic_(participant_, test::own_namespace()),
         writer_(topic_) {
     batch_->publisher = 7;
