@@ -5,6 +5,7 @@
 
 #include "client/library/connection/connection.hpp"
 #include "idl/clocks.hpp"
+#include "idl/host_name.hpp"
 
 namespace collided::client {
 namespace {
@@ -28,7 +29,8 @@ Replicas::AskedServer::~AskedServer() {
   --place_->asked;
 }
 
-Replicas::Replicas(Connection& primary) : primary_(primary), own_place_(std::make_shared<ReplicaPlace>()) {}
+Replicas::Replicas(Connection& primary)
+    : primary_(primary), own_place_(std::make_shared<ReplicaPlace>()), host_(wire_contract::host_name()) {}
 
 Replicas::~Replicas() {
   is_over_.store(true);
@@ -62,8 +64,8 @@ Replicas::AskedServer Replicas::next(bool as_primary) {
   if (could.empty()) could.push_back(own_place_);
   // From another one each time, so that the first of several with as few questions is not always the same.
   std::ranges::rotate(could, could.begin() + static_cast<std::ptrdiff_t>(turn_++ % could.size()));
-  const std::shared_ptr<ReplicaPlace> chosen =
-      *std::ranges::min_element(could, {}, [](const auto& place) { return place->asked; });
+  const std::shared_ptr<ReplicaPlace> chosen = *std::ranges::min_element(
+      could, {}, [](const auto& place) { return std::pair(place->asked, place->is_elsewhere); });
   ++chosen->asked;
   return {*this, chosen, chosen->connection};
 }
@@ -119,6 +121,7 @@ void Replicas::hear(const wire::Member& member) {
     place.same_at_ns = 0;
   }
   place.heard = Clock::now();
+  place.is_elsewhere = member.host != host_;
   const bool is_new =
       member.digest_time_ns != 0 && (place.said.empty() || place.said.back().time_ns < member.digest_time_ns);
   if (!is_new) return;

@@ -17,8 +17,8 @@ namespace collided::client {
 
 class Connection;
 
-/// The replicas of a connection's server, and who is asked next: whoever has the fewest of this client's questions, in turn
-/// where several have as few. Until DDS shows that other servers are there, this costs nothing: no thread, no topic.
+/// The replicas of a connection's server, and who is asked next: whoever has the fewest of this client's questions; of
+/// several with as few one on this machine, and in turn. Until DDS shows that other servers are there, this costs nothing: no thread, no topic.
 ///
 /// threads  any
 class Replicas {
@@ -80,6 +80,7 @@ class Replicas {
     std::deque<SaidWorld> said;              // the newest
     std::int64_t same_at_ns = 0;             // the newest instant at which its world was the primary's
     unsigned asked = 0;                      // requests of this client under way
+    bool is_elsewhere = false;               // on another machine
     Clock::time_point heard;
   };
 
@@ -99,6 +100,7 @@ class Replicas {
   std::map<std::string, std::shared_ptr<ReplicaPlace>> places_;  // of replicas, by name
   std::int64_t changed_ns_ = 0;                                  // world time
   std::size_t turn_ = 0;
+  const std::string host_;
   bool is_looking_ = false;  // the thread was started
   std::atomic<bool> is_over_{false};
   std::unique_ptr<dds::WaitSet> waitset_;

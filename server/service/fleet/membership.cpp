@@ -4,12 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cstdlib>
 #include <utility>
 
 #include "idl/clocks.hpp"
+#include "idl/host_name.hpp"
 #include "idl/topics.hpp"
 #include "server/service/runtime/named_thread.hpp"
 
@@ -22,12 +22,6 @@ using wire_contract::MemberRole;
 constexpr std::int64_t kClocksApartNs = 20'000'000;
 /// More servers of one namespace than anybody runs; others are not looked at.
 constexpr std::size_t kMostOthers = 64;
-
-std::string host_name() {
-  std::array<char, 256> name{};
-  if (gethostname(name.data(), name.size() - 1) != 0) return "unknown";
-  return name.data();
-}
 
 /// A role that this version does not know is taken for one that decides nothing.
 MemberRole role_in(const wire::Member& member) {
@@ -56,7 +50,7 @@ std::int64_t clock_ahead_of(const OtherMember& other) {
 }  // namespace
 
 std::string member_name(const std::string& given) {
-  return given.empty() ? fmt::format("{}-{}", host_name(), getpid()) : given;
+  return given.empty() ? fmt::format("{}-{}", wire_contract::host_name(), getpid()) : given;
 }
 
 Membership::Membership(const dds::Participant& participant, const Identity& identity, SelfDescription self,
@@ -76,7 +70,7 @@ Membership::Membership(const dds::Participant& participant, const Identity& iden
   said_->epoch = identity.epoch;
   said_->pid = static_cast<std::uint32_t>(getpid());
   set_cut(said_->name, self_.name);
-  set_cut(said_->host, host_name());
+  set_cut(said_->host, wire_contract::host_name());
   set_cut(said_->server_version, identity.version);
   said_->started_ns = wire_contract::since_1970_ns();
   thread_ = named_thread("fleet", [this] { run(); });
