@@ -192,6 +192,21 @@ TEST(AnswerMerging, OfAPartThatSeveralHoldInPiecesTheDeepestAndTheNearestCount) 
   EXPECT_EQ(merge(near, {{0, &west}, {1, &middle}}).hits.at(0).triangle, 7u);
 }
 
+/// As deep is the ball in all triangles that meet at its nearest point; the contact's point lies between ball and triangle.
+TEST(AnswerMerging, OfTrianglesThatARegionIsAsDeepInTheFirstIsTold) {
+  const SphereQuestion ball{.center = {-3, 0, 0}, .radius_m = 6};
+  const auto ground = [](std::uint32_t triangle) {
+    Hit one = hit("ground", 4, {-2, 0, 0});
+    one.triangle = triangle;
+    one.point_error_m = kFar;
+    return hits({one});
+  };
+  const Answer west = ground(8);
+  const Answer middle = ground(7);
+  EXPECT_EQ(merge(ball, {{0, &west}, {1, &middle}}, {.mode = HitMode::all}).hits.at(0).triangle, 7u);
+  EXPECT_EQ(merge(ball, {{1, &middle}, {0, &west}}, {.mode = HitMode::all}).hits.at(0).triangle, 7u);
+}
+
 TEST(AnswerMerging, DoubtsBeyondTheHitChangeNothingButThoseOfAPlaceUnknown) {
   const Answer west = hits({hit("post", 2, {-3, 0, 0})});
   for (const UndecidedReason reason :

@@ -147,13 +147,13 @@ class Merging {
   }
 
   /// Of the one hit that each of two shards tells of an object. The shard in whose box the point lies holds all that is
-  /// there, so it tells the very triangle that one server would.
+  /// there, so it tells the very triangle that one server would. Of a region it is a point within what both have in common,
+  /// from which the triangle may be far: of triangles that are as deep one server tells the first.
   bool comes_first(const TaggedHit& a, const TaggedHit& b) const {
-    if (!kIsRegion<Q> && is_own(a) != is_own(b)) return is_own(a);
-    const double nearer = kIsRegion<Q> ? b.hit->distance_m - a.hit->distance_m : a.hit->distance_m - b.hit->distance_m;
-    if (nearer != 0) return nearer < 0;
+    if (kIsRegion<Q>)
+      return std::tuple(-a.hit->distance_m, a.hit->triangle) < std::tuple(-b.hit->distance_m, b.hit->triangle);
     if (is_own(a) != is_own(b)) return is_own(a);
-    return a.hit->triangle < b.hit->triangle;
+    return precedes_on_object(a, b);
   }
 
   /// Whether `other` has each of these hits that it must have: those at points where one of its shards holds everything.
