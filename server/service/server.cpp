@@ -206,7 +206,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                   .take_place_back = [this] { return !election || election->take_back(); },
                   .takes_questions = takes_questions,
                   .self = identity.server,
-                  .epoch = identity.epoch,
+                  .epoch = [this] { return epoch_now(); },
                   .joins = options.joins || is_replica(),
                   .notice = [this](const std::string& sentence) { log->warn("{}", sentence); },
                   .became_primary =

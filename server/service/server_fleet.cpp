@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cstdint>
+#include <future>
+#include <memory>
 #include <optional>
 #include <string>
 #include <thread>
@@ -33,6 +36,7 @@ SelfDescription Server::Parts::describe_self() {
     return lines;
   };
   return {.role = [this] { return succession.role(); },
+          .epoch = [this] { return epoch_now(); },
           .name = member_name(options.member),
           .state =
               [this, is_following] {
@@ -78,13 +82,17 @@ void Server::Parts::stand_by() {
                                         },
                                     .notice = [this](const std::string& sentence) { log->warn("{}", sentence); }},
       Standby::PlaceRules{.silent_after_ns = is_replica() ? 0 : options.take_over_ns, .is_replica = is_replica()},
-      [this](const Standby::Predecessor& of, const std::string& why) { return take_over(of, why); },
-      [this] { return is_given_place(); },
-      [this] {
-        if (is_given_place())
-          succession.lose_place("this server was given the place, and gives it up: it ends, for another one to start");
-        else succession.cannot_follow();
-      });
+      Standby::PlaceCollaborators{
+          .take_over = [this](const Standby::Predecessor& of, const std::string& why) { return take_over(of, why); },
+          .has_place = [this] { return is_given_place(); },
+          .raise_epoch = [this](std::uint64_t least) { return raise_epoch(least); },
+          .cannot_follow =
+              [this] {
+                if (is_given_place())
+                  succession.lose_place(
+                      "this server was given the place, and gives it up: it ends, for another one to start");
+                else succession.cannot_follow();
+              }});
   if (readiness)
     standby->on_compared(
         [this](std::int64_t instant_ns, bool is_same) { readiness->note_compared(instant_ns, is_same); });
@@ -99,6 +107,30 @@ bool Server::Parts::has_come_as_far(const PublisherProgress& progress) const {
 
 bool Server::Parts::is_given_place() const {
   return election && election->has_place() && succession.role() == wire_contract::MemberRole::standby;
+}
+
+/// While it stands by it has told others only what it is: all else that it says comes with the primary's place.
+Standby::RaisedEpoch Server::Parts::raise_epoch(std::uint64_t least) {
+  std::uint64_t value = std::max(least, least_epoch_now());
+  if (election) {
+    const std::optional<std::uint64_t> drawn = election->draw_again(value);
+    if (!drawn) return {.problem = election->problem()};
+    value = *drawn;
+  }
+  if (std::string problem = service::raise_epoch(epoch, value); !problem.empty()) return {.problem = problem};
+  const auto done = std::make_shared<std::promise<void>>();
+  const bool is_taken = inbox.push_job([this, value, done] {
+    world.set_epoch(value);
+    event_writer.set_epoch(value);
+    answering->set_epoch(value);
+    // A state with the epoch of before must not be the newest when this server begins to answer.
+    loop.step_now();
+    done->set_value();
+  });
+  constexpr std::chrono::seconds kPatience{3};
+  if (!is_taken || done->get_future().wait_for(kPatience) != std::future_status::ready)
+    return {.problem = "it has too much to do"};
+  return {.value = value, .problem = {}};
 }
 
 bool Server::Parts::take_over(const Standby::Predecessor& of, const std::string& why) {

@@ -84,6 +84,10 @@ struct Server::Parts {
   bool has_come_as_far(const PublisherProgress& progress) const;
   /// An authority has given the primary's place to this server, which has not taken it yet.
   bool is_given_place() const;
+  /// Of now: see Standby::epoch().
+  std::uint64_t epoch_now() const { return standby ? standby->epoch() : identity.epoch; }
+  /// See Standby::PlaceCollaborators.
+  Standby::RaisedEpoch raise_epoch(std::uint64_t least);
   /// Makes this server the primary, if it may be; of a standby.
   bool take_over(const Standby::Predecessor& of, const std::string& why);
   /// The primary hands over to this server. Returns why it does not take the place; empty: it has.

@@ -204,6 +204,8 @@ void World::state_covers(std::string_view scene, std::span<const Aabb> boxes) {
   state_->gather_covers();
 }
 
+void World::set_epoch(std::uint64_t epoch) { state_->options.epoch = epoch; }
+
 void World::cover_nothing() {
   state_->is_over = true;
   state_->gather_covers();

@@ -21,7 +21,7 @@ namespace collided::engine {
 
 /// Limits and tolerances of a world, fixed for its lifetime.
 struct WorldOptions {
-  std::uint64_t epoch = 1;
+  std::uint64_t epoch = 1;                  // of its first snapshots; see World::set_epoch()
   std::uint32_t max_objects = 100'000;      // static parts and moving objects together
   std::uint32_t max_contacts = 10'000'000;  // that one step may find; more set StepCost::truncated
   double sweep_width = 1e-9;        // of the bracket of a lone sphere's first contact, as a fraction of the step
@@ -133,6 +133,8 @@ class World {
   void state_covers(std::string_view scene, std::span<const Aabb> boxes);
   /// A shard whose part others hold now: from the next step on nothing is covered, past instants included.
   void cover_nothing();
+  /// The epoch that the snapshots carry from the next step on.
+  void set_epoch(std::uint64_t epoch);
   /// Returns the number of objects removed; their contacts end with geometry_changed.
   std::uint32_t remove_scene(std::string_view name);
 

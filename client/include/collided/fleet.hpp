@@ -22,7 +22,7 @@ std::string_view name_of(FleetRole role);
 /// A server of a namespace, as it says itself.
 struct FleetMember {
   std::uint64_t server = 0;  // random, one per start
-  std::uint64_t epoch = 0;   // grows with each start
+  std::uint64_t epoch = 0;   // grows with each start, and where a standby follows another primary
   FleetRole role = FleetRole::primary;
   std::string state;  // starting, recovering, ready or stopping, as in ServerStatus
   std::string name;   // collided --member, or the machine's name and the process number

@@ -205,6 +205,17 @@ void Election::done_on_thread(std::function<void()> job) {
   done.get_future().wait();
 }
 
+std::optional<std::uint64_t> Election::draw_again(std::uint64_t least) {
+  std::optional<std::uint64_t> drawn;
+  done_on_thread([&] {
+    if (has_place_.load()) return;
+    try {
+      drawn = leadership_.draw_epoch(least);
+    } catch (const etcd::StoreError& failed) { note_problem(failed.what()); }
+  });
+  return drawn;
+}
+
 void Election::lend() {
   done_on_thread([this] {
     has_place_.store(false);

@@ -35,7 +35,7 @@ class Leadership {
   Leadership(etcd::LeaseStore& store, std::string prefix, int life_s, std::string description,
              std::function<std::int64_t()> now_ns);
 
-  /// Draws this server's epoch, at least that one. Once.
+  /// Draws this server's epoch, at least that one: at the start, and a greater one while it does not have the place.
   std::uint64_t draw_epoch(std::uint64_t least);
   std::uint64_t epoch() const { return epoch_; }
 

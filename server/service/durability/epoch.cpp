@@ -145,15 +145,25 @@ void open_epoch(Epoch& epoch) {
   if (!epoch.kept_in.empty()) epoch.problem = write_epoch(epoch.kept_in, epoch.value, kRunning);
 }
 
+std::string raise_epoch(Epoch& epoch, std::uint64_t value) {
+  const std::string problem = epoch.kept_in.empty() ? "" : write_epoch(epoch.kept_in, value, kRunning);
+  if (problem.empty()) epoch.value = value;
+  return problem;
+}
+
 void close_epoch(const Epoch& epoch) {
   if (!epoch.kept_in.empty()) static_cast<void>(write_epoch(epoch.kept_in, epoch.value, kStopped));
+}
+
+std::uint64_t least_epoch_now() {
+  return static_cast<std::uint64_t>(
+      std::chrono::duration_cast<std::chrono::seconds>(wire_contract::since_1970()).count());
 }
 
 Epoch next_epoch(const std::string& state_dir, int domain, const std::string& name_space,
                  const std::function<const char*(const char*)>& environment) {
   Epoch epoch;
-  epoch.value =
-      static_cast<std::uint64_t>(std::chrono::duration_cast<std::chrono::seconds>(wire_contract::since_1970()).count());
+  epoch.value = least_epoch_now();
   const fs::path dir = state_dir.empty() ? default_dir(environment) : fs::path(state_dir);
   if (dir.empty()) {
     epoch.problem = "no home folder is known";

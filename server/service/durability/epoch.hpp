@@ -22,6 +22,9 @@ struct Epoch {
   PastEnd past = PastEnd::unknown;  // running: publishers and watchers may be waiting
 };
 
+/// The clock's seconds: no epoch that is taken now is below.
+std::uint64_t least_epoch_now();
+
 /// The next epoch: greater than the last one and at least the clock's seconds, so that it grows even if both its files
 /// are lost. Nothing is written but a lock beside the file, which is held until the Epoch or the process ends, however
 /// that is; on a busy machine a rival's status may come too late.
@@ -34,6 +37,11 @@ Epoch next_epoch(const std::string& state_dir, int domain, const std::string& na
 /// Writes down that the server of this epoch runs: into a file and its copy, each with a checksum, each written beside
 /// itself, synced and renamed. After that a crash repeats no epoch. Sets problem where that fails.
 void open_epoch(Epoch& epoch);
+
+/// Writes down that the server runs as that epoch from now on, which is greater.
+///
+/// returns  why it cannot be written down, and epoch is as before; empty: it is
+std::string raise_epoch(Epoch& epoch, std::uint64_t value);
 
 /// Writes down that this server ends in order.
 void close_epoch(const Epoch& epoch);

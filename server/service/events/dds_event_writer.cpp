@@ -55,15 +55,17 @@ DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identi
       step_writer_(step_topic_, counting(step_readers_)),
       fence_status_writer_(fence_status_topic_, counting(fence_status_readers_)) {
   frame_->server = shard_->server = probes_->server = identity.server;
-  frame_->epoch = shard_->epoch = probes_->epoch = identity.epoch;
-  for (wire::Status* status : {&*status_, &*step_, &*fence_status_}) {
-    status->server = identity.server;
-    status->epoch = identity.epoch;
-  }
+  for (wire::Status* status : {&*status_, &*step_, &*fence_status_}) status->server = identity.server;
+  set_epoch(identity.epoch);
   status_->pid = static_cast<std::uint32_t>(getpid());
   // Both fit: options allow 64 letters for the namespace.
   static_cast<void>(dds::set_text(status_->namespace_name, identity.name_space));
   static_cast<void>(dds::set_text(status_->server_version, identity.version));
+}
+
+void DdsEventWriter::set_epoch(std::uint64_t epoch) {
+  frame_->epoch = shard_->epoch = probes_->epoch = epoch;
+  status_->epoch = step_->epoch = fence_status_->epoch = epoch;
 }
 
 template <class T>

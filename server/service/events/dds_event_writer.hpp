@@ -15,7 +15,7 @@ namespace collided::engine::service {
 /// What identifies this server in everything that it writes.
 struct Identity {
   std::uint64_t server = 0;  // random, one per process
-  std::uint64_t epoch = 0;   // see Epoch
+  std::uint64_t epoch = 0;   // as it started; see Epoch
   std::string name_space;
   std::string version;
 };
@@ -33,6 +33,8 @@ class DdsEventWriter : public EventWriter {
 
   void fall_silent() override { is_silent_ = true; }
   void speak(const SpokenBefore& before) override;
+  /// In all that is written from now on.
+  void set_epoch(std::uint64_t epoch);
   /// Since when it writes nothing because the term was over, steady clock; 0: it writes, or fell silent for another
   /// reason.
   std::int64_t lapsed_ns() const { return is_silent_ ? 0 : lapsed_ns_; }

@@ -67,7 +67,6 @@ Membership::Membership(const dds::Participant& participant, const Identity& iden
       digests_(world) {
   waitset_.attach(reader_, 1);
   said_->server = identity.server;
-  said_->epoch = identity.epoch;
   said_->pid = static_cast<std::uint32_t>(getpid());
   set_cut(said_->name, self_.name);
   set_cut(said_->host, wire_contract::host_name());
@@ -178,6 +177,7 @@ void Membership::report(const Faults& found) {
 
 void Membership::write() {
   const SnapshotRing::Lease newest = world_.newest();
+  said_->epoch = self_.epoch();
   said_->role = static_cast<std::uint8_t>(self_.role());
   said_->state = static_cast<std::uint8_t>(self_.state());
   said_->version = newest->version;

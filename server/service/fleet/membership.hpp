@@ -48,6 +48,7 @@ struct OtherMember {
 /// What this server says of itself, beside what the Membership finds out.
 struct SelfDescription {
   std::function<wire_contract::MemberRole()> role;
+  std::function<std::uint64_t()> epoch;
   std::string name;
   std::function<wire_contract::ServerState()> state;
   std::function<std::string()> alarm;             // what is wrong with this server, one sentence a line; empty: nothing

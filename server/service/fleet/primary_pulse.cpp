@@ -51,6 +51,8 @@ void PrimaryPulse::run() {
 
 void PrimaryPulse::take() {
   const std::uint64_t primary = with_.primary();
+  // One that has just taken the place is not to be blamed for the silence of the one before.
+  if (std::exchange(listened_to_, primary) != primary && blamed_ns_ != 0) blamed_ns_ = steady_ns();
   while (reader_.take(status_)) {
     if (!status_.info().valid_data || status_->server != primary) continue;
     blamed_ns_ = steady_ns();

@@ -44,7 +44,8 @@ class PrimaryPulse {
   dds::Topic<wire::Status> topic_;
   dds::Reader<wire::Status> reader_;
   dds::WaitSet waitset_;
-  dds::Sample<wire::Status> status_;  // this and the next two are of the thread
+  dds::Sample<wire::Status> status_;  // this and the next three are of the thread
+  std::uint64_t listened_to_ = 0;     // 0: nobody yet
   std::int64_t blamed_ns_ = 0;        // since when its silence counts, steady clock; 0: it does not yet
   std::int64_t looked_ns_ = 0;
   std::atomic<bool> is_silent_{false};

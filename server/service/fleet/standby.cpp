@@ -22,21 +22,18 @@ constexpr std::uint64_t kReported = 8;
 }  // namespace
 
 Standby::Standby(const dds::Participant& participant, const Identity& identity,
-                 const ChangeFollower::Collaborators& with, const PlaceRules& rules, TakeOver take_over,
-                 std::function<bool()> has_place, std::function<void()> cannot_follow)
+                 const ChangeFollower::Collaborators& with, const PlaceRules& rules, PlaceCollaborators place)
     : with_(with),
       self_(identity.server),
       epoch_(identity.epoch),
       rules_(rules),
-      take_over_(std::move(take_over)),
-      is_given_place_(std::move(has_place)),
-      cannot_follow_(std::move(cannot_follow)),
+      place_(std::move(place)),
       follower_(participant, identity.server, identity.name_space, with) {
   if (rules.silent_after_ns == 0) return;
   pulse_.emplace(participant, identity.name_space, rules.silent_after_ns,
                  PrimaryPulse::Collaborators{.primary = [this] { return follower_.primary(); },
                                              .is_silent = [this](std::int64_t silent_ns) { return succeed(silent_ns); },
-                                             .is_replaced = is_given_place_});
+                                             .is_replaced = place_.has_place});
 }
 
 void Standby::leave() {
@@ -50,41 +47,113 @@ void Standby::leave() {
 
 void Standby::hear(const OtherMember& other) {
   if (other.role == MemberRole::replica) return;
-  if (other.role != MemberRole::primary) {
-    const std::lock_guard lock(mutex_);
-    const std::int64_t now_ns = steady_ns();
-    std::erase_if(rivals_, [&](const auto& entry) { return now_ns - entry.second.heard_ns > kMemberGoneNs; });
-    rivals_[other.server] = {.epoch = other.epoch, .is_ready = other.state == ServerState::ready, .heard_ns = now_ns};
-    return;
-  }
+  if (other.role != MemberRole::primary) return hear_rival(other);
   follower_.follow(other.server, other.name);
-  if (follower_.primary() != other.server) {
-    if (!turn_to(other))
-      refuse_for_good(
-          fmt::format("'{}' is primary now, and another one was followed; start this server again", other.name));
-    return;
-  }
-  if (!rules_.is_replica && other.epoch >= epoch_) {
-    refuse_for_good(fmt::format("'{}' has epoch {}, which is not below this server's {}; start this server again",
-                                other.name, other.epoch, epoch_));
-  }
-  {
+  if (follower_.primary() != other.server) return hear_another_primary(other);
+  note_primary(other);
+  is_outranked_.store(!rules_.is_replica && other.epoch >= epoch_.load());
+  if (is_outranked_.load() || shares_epoch()) {
+    raise_epoch();
+  } else {
     const std::lock_guard lock(mutex_);
-    primary_name_ = other.name;
-    primary_epoch_ = other.epoch;
+    epoch_problem_.clear();
   }
   if (!pulse_ || !pulse_->is_silent()) is_left_alone_.store(false);
   comparison_.hear(other.digest);
   judge();
 }
 
-/// False: what that primary has need not go with what this server has. One that could take the place has its epoch from the
-/// primary that it followed, and is started again.
+void Standby::hear_rival(const OtherMember& rival) {
+  const std::lock_guard lock(mutex_);
+  const std::int64_t now_ns = steady_ns();
+  std::erase_if(rivals_, [&](const auto& entry) { return now_ns - entry.second.heard_ns > kMemberGoneNs; });
+  rivals_[rival.server] = {.epoch = rival.epoch, .is_ready = rival.state == ServerState::ready, .heard_ns = now_ns};
+}
+
+/// With another one that stands by, as two that are started at once. Were both to take the place, nobody could tell which is
+/// the later one: one of the two raises its own.
+bool Standby::shares_epoch() const {
+  if (rules_.is_replica) return false;
+  const std::lock_guard lock(mutex_);
+  return std::ranges::any_of(rivals_, [&](const auto& entry) {
+    const auto& [server, rival] = entry;
+    return rival.epoch == epoch_.load() && server < self_ && steady_ns() - rival.heard_ns < kMemberGoneNs;
+  });
+}
+
+void Standby::hear_another_primary(const OtherMember& other) {
+  {
+    // One whose place was taken, and which goes on after it was stopped, gives way as soon as it hears of that.
+    const std::lock_guard lock(mutex_);
+    const bool is_there_a_later_one = steady_ns() - primary_heard_ns_ < kMemberGoneNs;
+    if (is_there_a_later_one && other.epoch < primary_epoch_) return;
+  }
+  if (!turn_to(other))
+    refuse_for_good(
+        fmt::format("'{}' is primary now, and another one was followed; start this server again", other.name));
+}
+
+/// False: what that primary has need not go with what this server has. Until the two have been compared, this one does not
+/// take its place either.
 bool Standby::turn_to(const OtherMember& heir) {
-  if (!rules_.is_replica || heir.following.primary != follower_.primary() || heir.following.fetch == 0) return false;
+  if (heir.following.primary != follower_.primary() || heir.following.fetch == 0) return false;
   if (!follower_.follow_heir(heir.server, heir.name, heir.following.fetch - 1)) return false;
-  is_same_.store(false);  // until the two have been compared
+  is_same_.store(false);
+  turned_ns_.store(steady_ns());
+  const std::lock_guard lock(mutex_);
+  primary_epoch_ = heir.epoch;
+  primary_heard_ns_ = steady_ns();
   return true;
+}
+
+/// Of the one that is followed.
+void Standby::note_primary(const OtherMember& primary) {
+  bool has_turned = false;
+  {
+    const std::lock_guard lock(mutex_);
+    has_turned = primary_server_ != 0 && primary_server_ != primary.server;
+    primary_server_ = primary.server;
+    primary_name_ = primary.name;
+    primary_epoch_ = primary.epoch;
+    primary_heard_ns_ = steady_ns();
+    rivals_.erase(primary.server);
+    if (has_turned) {
+      first_to_differ_.clear();
+      difference_.clear();
+    }
+  }
+  if (!has_turned) return;
+  is_same_.store(false);
+  comparison_.begin_anew();
+  with_.notice(fmt::format("'{}' has taken the primary's place, and is followed from now on", primary.name));
+}
+
+/// Above that of all others that are heard: whoever takes the primary's place has a greater epoch than all before.
+void Standby::raise_epoch() {
+  const std::lock_guard lock(taking_mutex_);
+  if (has_place_ || has_left_ || place_.has_place()) return;
+  std::uint64_t greatest = epoch_.load();
+  {
+    const std::lock_guard state_lock(mutex_);
+    greatest = std::max(greatest, primary_epoch_);
+    for (const auto& [server, rival] : rivals_) greatest = std::max(greatest, rival.epoch);
+  }
+  const RaisedEpoch raised = place_.raise_epoch(greatest + 1);
+  if (raised.problem.empty()) {
+    epoch_.store(raised.value);
+    is_outranked_.store(false);
+  }
+  const std::string sentence =
+      raised.problem.empty()
+          ? std::string()
+          : fmt::format("this server's epoch, {}, is not raised above {}: {}", epoch_.load(), greatest, raised.problem);
+  bool is_news = false;
+  {
+    const std::lock_guard state_lock(mutex_);
+    is_news = epoch_problem_.empty() && !sentence.empty();
+    epoch_problem_ = sentence;
+  }
+  if (is_news) with_.notice(sentence);
 }
 
 void Standby::refuse_for_good(std::string sentence) {
@@ -94,7 +163,7 @@ void Standby::refuse_for_good(std::string sentence) {
     no_heir_ = sentence;
   }
   with_.notice(sentence);
-  cannot_follow_();
+  place_.cannot_follow();
 }
 
 /// How many others that stand by go before this one. Each waits for those before it.
@@ -103,7 +172,7 @@ int Standby::ready_before_this_one() const {
   return static_cast<int>(std::ranges::count_if(rivals_, [&](const auto& entry) {
     const auto& [server, rival] = entry;
     const bool is_there = rival.is_ready && steady_ns() - rival.heard_ns < kMemberGoneNs;
-    return is_there && std::pair(rival.epoch, server) > std::pair(epoch_, self_);
+    return is_there && std::pair(rival.epoch, server) > std::pair(epoch_.load(), self_);
   }));
 }
 
@@ -112,28 +181,34 @@ bool Standby::succeed(std::int64_t silent_ns) {
   std::string name;
   {
     const std::lock_guard lock(mutex_);
-    if (!no_heir_.empty() && !is_given_place_()) return false;
+    if (!no_heir_.empty() && !place_.has_place()) return false;
     name = primary_name_;
   }
   if (!may_take_place()) {
+    // What it lacks comes, or that one falls silent too.
+    if (steady_ns() - turned_ns_.load() < kMemberGoneNs && turned_ns_.load() != 0) return false;
     if (!is_left_alone_.exchange(true))
       with_.notice(fmt::format("'{}' has been silent for {} ms, and this server does not hold all that it had: {}",
                                name, silent_ns / 1'000'000, what_is_missing()));
-    if (is_given_place_()) cannot_follow_();
+    if (place_.has_place()) place_.cannot_follow();
     return false;
   }
-  if (silent_ns < rules_.silent_after_ns * (1 + ready_before_this_one()) && !is_given_place_()) return false;
+  if (silent_ns < rules_.silent_after_ns * (1 + ready_before_this_one()) && !place_.has_place()) return false;
   return take_place(fmt::format("'{}' has been silent for {} ms", name, silent_ns / 1'000'000));
 }
 
 /// Once an authority has given the place to this server, the other one ends: what of the publishers' this one lacks, since it
 /// was cut off, the publishers say again. What commands did there nobody says again.
-bool Standby::may_take_place() const { return follower_.is_whole() && (is_same_.load() || is_given_place_()); }
+bool Standby::may_take_place() const {
+  if (place_.has_place()) return follower_.is_whole();
+  return follower_.is_whole() && is_same_.load() && !is_outranked_.load();
+}
 
 /// Why may_take_place() says no.
 std::string Standby::what_is_missing() const {
   if (!follower_.is_whole()) return "what commands did there has not come";
   const std::lock_guard lock(mutex_);
+  if (!epoch_problem_.empty()) return epoch_problem_;
   if (first_to_differ_.empty()) return "the two worlds have not been found the same yet";
   return fmt::format("{} was not the same when the two worlds were compared last", first_to_differ_);
 }
@@ -150,9 +225,10 @@ bool Standby::take_place(const std::string& why) {
   if (!of.is_same) of.spoken.same_from_ns = std::numeric_limits<std::int64_t>::max();
   {
     const std::lock_guard state_lock(mutex_);
+    if (primary_server_ != of.server) return false;  // it has just turned to that one, and not heard its epoch
     of.epoch = primary_epoch_;
   }
-  if (!take_over_(of, why)) return false;
+  if (!place_.take_over(of, why)) return false;
   has_place_ = true;
   follower_.give_up();
   return true;
@@ -190,7 +266,8 @@ Following Standby::following() const {
 }
 
 ServerState Standby::state() const {
-  return follower_.is_whole() && is_same_.load() ? ServerState::ready : ServerState::recovering;
+  const bool is_ready = follower_.is_whole() && is_same_.load() && !is_outranked_.load();
+  return is_ready ? ServerState::ready : ServerState::recovering;
 }
 
 std::string Standby::alarm() const {
@@ -202,6 +279,7 @@ std::string Standby::alarm() const {
   if (is_left_alone_.load()) add("the primary is silent, and this server does not hold all that it had");
   const std::lock_guard lock(mutex_);
   add(difference_);
+  add(epoch_problem_);
   add(no_heir_);
   return lines;
 }

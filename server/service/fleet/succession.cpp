@@ -42,7 +42,7 @@ bool Succession::take_over(std::uint64_t primary, const SpokenBefore& before, co
     with_.speak(before);
   });
   if (!is_done) return false;
-  with_.notice(fmt::format("{}: this server has taken its place, as epoch {}", why, with_.epoch));
+  with_.notice(fmt::format("{}: this server has taken its place, as epoch {}", why, with_.epoch()));
   with_.became_primary();
   return true;
 }
@@ -71,8 +71,8 @@ void Succession::hear(const OtherMember& other) {
     return;
   }
   if (other.role != MemberRole::primary || role() != MemberRole::primary) return;
-  const bool is_heir = other.following.primary != 0 && other.epoch > with_.epoch;
-  const bool is_earlier = std::pair(other.epoch, other.server) < std::pair(with_.epoch, with_.self);
+  const bool is_heir = other.following.primary != 0 && other.epoch > with_.epoch();
+  const bool is_earlier = std::pair(other.epoch, other.server) < std::pair(with_.epoch(), with_.self);
   if (is_heir) {
     if (has_heir_.exchange(true) || hands_over_.load()) return;
     give_way(fmt::format("'{}' (epoch {}) has taken this server's place, which was silent for too long; this one ends",

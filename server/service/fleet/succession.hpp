@@ -32,9 +32,9 @@ class Succession {
     std::function<void()> lend_place;  // where an authority says who is the primary: for the one that is to take it
     std::function<bool()> take_place_back;  // from there; false: another one has it
     std::atomic<bool>& takes_questions;
-    std::uint64_t self = 0;   // number of this server
-    std::uint64_t epoch = 0;  // of this server
-    bool joins = false;       // it is started again when it ends, and takes the part then that is left
+    std::uint64_t self = 0;                // number of this server
+    std::function<std::uint64_t()> epoch;  // of this server
+    bool joins = false;                    // it is started again when it ends, and takes the part then that is left
     std::function<void(const std::string&)> notice;
     std::function<void()> became_primary;
     std::function<void()> end;  // has the process end; returns at once

@@ -18,6 +18,11 @@ void WorldComparison::hear(const InstantDigest& digest) {
   compare();
 }
 
+void WorldComparison::begin_anew() {
+  others_.clear();
+  differing_ = 0;
+}
+
 void WorldComparison::compare() {
   for (const Own& own : own_) {
     if (own.digest.time_ns <= compared_to_ns_) continue;

@@ -18,6 +18,8 @@ class WorldComparison {
   void note_own(const InstantDigest& digest, std::shared_ptr<const Snapshot> state);
   /// The other's; the last one may come again.
   void hear(const InstantDigest& digest);
+  /// From now on with another server: what the one before said counts no more.
+  void begin_anew();
 
   /// Instants in a row at which the two differed, up to the newest that could be compared.
   std::uint64_t differing() const { return differing_; }

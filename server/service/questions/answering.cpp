@@ -28,6 +28,7 @@ Answering::Answering(const Collaborators& with, const dds::Topic<wire::Reply>& r
     : with_(with),
       past_states_(with.world, options.replica),
       options_(options),
+      epoch_(options.epoch),
       command_(std::move(command)),
       queue_(kMostQueued, kMostQueuedBytes),
       costly_(kMostQueued, kMostQueuedBytes),

@@ -31,7 +31,7 @@
 
 namespace collided::engine::service {
 
-/// How questions are answered. `server` and `epoch` go into every reply.
+/// How questions are answered. `server` goes into every reply, and `epoch` until set_epoch().
 struct AnsweringOptions {
   std::uint64_t server = 0;
   std::uint64_t epoch = 0;
@@ -104,6 +104,8 @@ class Answering {
   ///
   /// query_owners  whom the numbers of clients that are there may belong to: see Ask::owner
   void tick(std::vector<std::uint64_t> query_owners);
+  /// In the replies from now on. Any thread.
+  void set_epoch(std::uint64_t epoch) { epoch_.store(epoch, std::memory_order_relaxed); }
   /// Answers what is queued, as far as that takes a second, refuses the rest and what waits at barriers, then ends the
   /// workers.
   void stop();
@@ -171,6 +173,7 @@ class Answering {
   Collaborators with_;
   PastStates past_states_;
   AnsweringOptions options_;
+  std::atomic<std::uint64_t> epoch_;
   Command command_;
   AskPool pool_;
   FairQueue<Work> queue_;

@@ -370,6 +370,7 @@ void Answering::Worker::send(Client& client, bool is_recorded) {
     ++owner_.with_.counts.unanswerable;
     return;
   }
+  reply_->epoch = owner_.epoch_.load(std::memory_order_relaxed);
   if (owner_.options_.flight && is_recorded) owner_.options_.flight->note(recording::Recorded::reply, *reply_);
   try {
     if (!client.write(*reply_)) ++owner_.with_.counts.unanswerable;

@@ -20,7 +20,6 @@ class Answering::Worker {
   /// patience_ns  how long it has for one question, before that is left to the threads for costly ones; 0: it is one of these
   Worker(Answering& owner, std::int64_t patience_ns) : owner_(owner), patience_ns_(patience_ns) {
     reply_->server = owner.options_.server;
-    reply_->epoch = owner.options_.epoch;
     text_.reserve(out_of_memory_.size());  // so that refusing for want of memory needs none
   }
   /// Works off what waits, until the queue is closed and empty.

@@ -1,10 +1,11 @@
 // A standby takes the place of a primary again and again, beside a publisher that moves, a watch and a client that asks:
-//   failover SERVER[,OTHER] ROUNDS [SEED] [kill|stop|hand_over] [TAKE_OVER_MS] [strict|fast]
+//   failover SERVER[,OTHER] ROUNDS [SEED] [kill|stop|hand_over] [TAKE_OVER_MS] [strict|fast|none] [STANDBYS]
 // OTHER: a server of another version; members are of the two by turns, so that each takes over from the other.
 // kill: the primary is killed. stop: it is stopped, and goes on at once or at a random moment after its place was taken. hand_over: it is
 // told to end, and no question may fail. strict, fast: beside an etcd that says who is the primary; exits 77 where none is
 // installed.
-// Each round the one that has taken the place is followed by a new standby. The contacts are known: a ball that crosses a post's
+// STANDBYS: so many stand by at a time, 1. Each round one of them takes the place; the others follow that one, and a new one is
+// started. The contacts are known: a ball that crosses a post's
 // surface between two poses touches it, or parts from it, once. Prints the gaps, and exits 1 where an event was lost, told twice,
 // told only as a difference (resync), out of order or of a lower epoch, or an answer was wrong.
 
@@ -54,12 +55,13 @@ class Failover {
   /// authority_mode  empty: without an authority
   /// servers  programs, which members are of by turns
   Failover(std::vector<std::string> servers, std::uint64_t seed, How how, std::string take_over_ms,
-           const std::string& authority_mode)
+           const std::string& authority_mode, std::size_t standby_count)
       : random_(seed),
         domain_(own_domain()),
         servers_(std::move(servers)),
         how_(how),
-        take_over_ms_(std::move(take_over_ms)) {
+        take_over_ms_(std::move(take_over_ms)),
+        standby_count_(standby_count) {
     if (!authority_mode.empty()) {
       etcd_.emplace(1, folder_.path());
       if (!etcd_->is_ready(20s)) std::printf("etcd does not start: %s\n", etcd_->member(0).output().c_str());
@@ -132,17 +134,44 @@ class Failover {
     return found == all->members.end() ? std::nullopt : std::optional(*found);
   }
 
-  int one_round(int round) {
-    const std::string name = "m" + std::to_string(started_);
-    std::unique_ptr<ChildProcess> standby = start(true);
-    const bool is_ready = wait_until(
+  bool becomes_ready(const std::string& name) const {
+    return wait_until(
         [&] {
           const std::optional<FleetMember> one = member(name);
           return one && one->state == "ready" && one->hash_time != 0s;
         },
         kPatience);
-    if (!is_ready) {
-      std::printf("round %d: the standby does not become ready: %s\n", round, standby->errors().c_str());
+  }
+  std::string errors_of_standbys() const {
+    std::string all;
+    for (const auto& [name, standby] : standbys_) all += name + ": " + standby->errors() + "\n";
+    return all;
+  }
+  /// The one of the standbys that is the primary now; null: none is.
+  std::unique_ptr<ChildProcess> take_heir() {
+    std::unique_ptr<ChildProcess> heir;
+    static_cast<void>(wait_until(
+        [&] {
+          for (auto& [name, standby] : standbys_) {
+            const std::optional<FleetMember> one = standbys_.size() > 1 ? member(name) : std::nullopt;
+            const bool is_heir = standbys_.size() == 1 || (one && one->role == FleetRole::primary);
+            if (is_heir) heir = std::move(standby);
+          }
+          return heir != nullptr;
+        },
+        kPatience));
+    std::erase_if(standbys_, [](const auto& entry) { return entry.second == nullptr; });
+    return heir;
+  }
+
+  int one_round(int round) {
+    while (standbys_.size() < standby_count_) {
+      const std::string name = "m" + std::to_string(started_);
+      standbys_[name] = start(true);
+    }
+    for (const auto& [name, standby] : standbys_) {
+      if (becomes_ready(name)) continue;
+      std::printf("round %d: %s does not become ready: %s\n", round, name.c_str(), errors_of_standbys().c_str());
       return 1;
     }
     std::this_thread::sleep_for(std::chrono::milliseconds(below(400)));
@@ -151,7 +180,7 @@ class Failover {
     failures_.push_back(failed_at);
     const bool is_replaced = standby_speaks(failed_at);
     if (!is_replaced) {
-      std::printf("round %d: nobody takes its place: %s\n", round, standby->errors().c_str());
+      std::printf("round %d: nobody takes its place: %s\n", round, errors_of_standbys().c_str());
       return 1;
     }
     int faults = 0;
@@ -166,8 +195,10 @@ class Failover {
       if (!is_right) std::printf("round %d: it ends with %d: %s\n", round, code, primary_->errors().c_str());
       faults += is_right ? 0 : 1;
     }
-    primary_ = std::move(standby);
-    return faults;
+    primary_ = take_heir();
+    if (primary_) return faults;
+    std::printf("round %d: none of them is the primary: %s\n", round, errors_of_standbys().c_str());
+    return faults + 1;
   }
 
   bool standby_speaks(SteadyClock::time_point since) {
@@ -297,8 +328,10 @@ class Failover {
   const std::vector<std::string> servers_;
   const How how_;
   const std::string take_over_ms_;
+  const std::size_t standby_count_;
   int started_ = 0;
   std::unique_ptr<ChildProcess> primary_;
+  std::map<std::string, std::unique_ptr<ChildProcess>> standbys_;  // by name of the member
   std::optional<Client> client_;
   std::optional<Publisher> publisher_;
   std::optional<Watch> watch_;
@@ -327,7 +360,8 @@ int main(int count, char** words) {
   const std::uint64_t seed = count > 3 ? std::strtoull(words[3], nullptr, 10) : 28;
   using How = Failover::How;
   const std::string how = count > 4 ? words[4] : "kill";
-  const std::string authority_mode = count > 6 ? words[6] : "";
+  const std::string authority_mode = count > 6 && words[6] != std::string("none") ? words[6] : "";
+  const std::size_t standby_count = count > 7 ? std::strtoull(words[7], nullptr, 10) : 1;
   if (!authority_mode.empty() && !has_etcd()) return 77;
   std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
   std::fflush(stdout);
@@ -338,6 +372,6 @@ int main(int count, char** words) {
                     how == "stop"        ? How::stop
                     : how == "hand_over" ? How::hand_over
                                          : How::kill,
-                    count > 5 ? words[5] : "200", authority_mode);
+                    count > 5 ? words[5] : "200", authority_mode, standby_count);
   return failover.run(std::atoi(words[2])) == 0 ? 0 : 1;
 }

@@ -126,6 +126,29 @@ TEST_F(ElectionTest, AStandbyTakesThePlaceOnceAskedAndTheOtherOneIsTold) {
   EXPECT_TRUE(north->term.is_over());
 }
 
+// The one that draws first is left behind by the other, and follows it with a greater epoch.
+TEST_F(ElectionTest, AStandbyThatDrawsAgainMayTakeThePlaceOfWhoHadTheGreaterEpoch) {
+  const auto north = server("north"), west = server("west", TakeOverMode::fast);
+  const auto south = server("south", TakeOverMode::fast);
+  const std::uint64_t first = north->election->begin(7);
+  west->election->begin(7);
+  const std::uint64_t second = south->election->begin(7);
+  north->election->win();
+  connect(*south);
+  connect(*west);
+  EXPECT_TRUE(comes_true([&] { return south->election->succeeds(first); }));
+  EXPECT_TRUE(comes_true([&] { return !west->election->succeeds(second) && !west->election->problem().empty(); }))
+      << "its epoch is lower";
+  EXPECT_FALSE(south->election->draw_again(0)) << "it has the place with the epoch that it had";
+  store_.fail(FakeLeaseStore::Fault::before, true);
+  EXPECT_FALSE(west->election->draw_again(second + 1));
+  EXPECT_NE(west->election->problem(), "");
+  store_.fail(FakeLeaseStore::Fault::none);
+  EXPECT_EQ(west->election->draw_again(second + 5), second + 5);
+  EXPECT_TRUE(comes_true([&] { return west->election->succeeds(second); }));
+  EXPECT_TRUE(comes_true([&] { return south->term.is_over(); }));
+}
+
 TEST_F(ElectionTest, WhatHappenedBeforeItWasConnectedIsTold) {
   const auto north = server("north"), south = server("south", TakeOverMode::fast);
   const std::uint64_t epoch = north->election->begin(7);

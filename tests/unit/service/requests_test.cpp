@@ -546,6 +546,22 @@ TEST_F(EpochFile, OneWithoutACopyMayBeFromBeforeThereWereAny) {
   EXPECT_EQ(next(folder).value, 100'000'000'000U);
 }
 
+// As a server that stands by, behind one that has taken the primary's place.
+TEST_F(EpochFile, OneThatIsRaisedWhileAServerRunsIsNotUsedAgain) {
+  Epoch first = next(folder);
+  open_epoch(first);
+  const std::uint64_t raised = first.value + 1'000'000;
+  EXPECT_EQ(raise_epoch(first, raised), "");
+  EXPECT_EQ(first.value, raised);
+  first.lock.reset();
+  Epoch second = next(folder);
+  EXPECT_EQ(second.value, raised + 1);
+  EXPECT_EQ(second.past, PastEnd::running);
+  std::filesystem::remove_all(folder);
+  EXPECT_NE(raise_epoch(second, raised + 9), "") << "it cannot be written down";
+  EXPECT_EQ(second.value, raised + 1);
+}
+
 // One damage to either file: the other one says how it was.
 TEST_F(EpochFile, NoSingleDamageIsBelieved) {
   std::mt19937_64 random = oracle::seeded(103);

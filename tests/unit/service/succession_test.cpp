@@ -46,7 +46,7 @@ class SuccessionTest : public ::testing::Test {
                           .take_place_back = {},
                           .takes_questions = takes_questions_,
                           .self = kOwnServer,
-                          .epoch = kOwnEpoch,
+                          .epoch = [] { return kOwnEpoch; },
                           .joins = true,
                           .notice = [](const std::string&) {},
                           .became_primary = {},

@@ -56,6 +56,19 @@ TEST_F(Comparisons, DifferencesInARowAreCountedAndAnEqualInstantEndsThem) {
   EXPECT_EQ(comparison.differing(), 0U);
 }
 
+// What the one that was followed before has said is no word of the one that has taken its place.
+TEST_F(Comparisons, WithAnotherServerOnlyWhatThatOneSaysCounts) {
+  comparison.note_own(at(1, 1), nobody());
+  comparison.hear(at(1, 2));
+  comparison.hear(at(2, 1));
+  comparison.begin_anew();
+  EXPECT_EQ(comparison.differing(), 0U);
+  comparison.note_own(at(2, 1), nobody());
+  EXPECT_EQ(comparison.compared(), 1U);
+  comparison.hear(at(2, 1));
+  EXPECT_EQ(comparison.compared(), 2U);
+}
+
 TEST_F(Comparisons, InstantsThatOnlyOneHasAreNotCompared) {
   comparison.note_own(at(1, 1), nobody());
   comparison.note_own(at(3, 1), nobody());
