@@ -62,7 +62,7 @@ inline constexpr const char* kLeftOut = "left_out";
 
 /// watch (a number of its own), map (fingerprint of the newest shard map all of whose shards it watches); of a watch of several
 /// -> settled_ns (world time up to which every contact is decided: by the publishers that have objects here; where none has,
-///    the server's clock), event_sequence (all of those are told up to this event), epoch
+///    the server's clock), event_sequence (all are told up to this one), epoch; heir_of (whose place it took), told_from
 inline constexpr const char* kSettled = "settled";
 
 /// -> structures [{structure, built, why, saves}], pairs [{a, b, how}], scenes [{scene, load}], bytes. load: the

@@ -36,9 +36,8 @@ std::chrono::nanoseconds EventWatch::tells_since() const {
 std::string_view EventWatch::news() {
   if (const auto* shards = std::get_if<ShardedWatch>(&watch_)) {
     const std::uint64_t before = std::exchange(gaps_, shards->gaps());
-    return before == gaps_
-               ? ""
-               : "a shard was silent, or another server took its place; what was missed comes marked resync";
+    return before == gaps_ ? ""
+                           : "a shard was silent, or its server was started again; what was missed comes marked resync";
   }
   const bool is_connected = std::get<Watch>(watch_).connected();
   if (is_connected == std::exchange(was_connected_, is_connected)) return "";

@@ -190,7 +190,8 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                   durable->then(
                       [this, change = WorldChange{ask.text, ask.blob}](const std::string&) { feed->tell(change); });
                 },
-                [this](const std::string& name) { return hand_over_to(name); }, is_replica()},
+                [this](const std::string& name) { return hand_over_to(name); }, is_replica(),
+                [this] { return succession.predecessor(); }},
                epoch.kept_in.empty() ? std::string()
                                      : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
       reply_topic(participant, asked_as(options)),

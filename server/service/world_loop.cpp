@@ -209,7 +209,10 @@ void WorldLoop::step_if_due() {
 }
 
 void WorldLoop::speak(const SpokenBefore& before) {
-  with_.event_writer.speak(before);
+  const std::uint64_t first = with_.event_writer.speak(before);
+  const std::uint64_t from = first != 0 ? first : with_.world.last_event_sequence() + 1;
+  // Where it was kept from speaking, it tells what was before that, too, once it may.
+  told_from_ = told_from_ == 0 ? from : std::min(told_from_, from);
   broadcast_.mark_all();
   fence_broadcast_.mark_all();
   step_now();

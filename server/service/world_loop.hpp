@@ -95,6 +95,9 @@ class WorldLoop {
   /// Begins to write what this server finds, having been silent: the newest events that nobody was told, all that holds,
   /// and the status. For jobs on this thread.
   void speak(const SpokenBefore& before);
+  /// The number of the first event that it has told since it took another server's place, or will tell. The world's
+  /// thread only.
+  std::uint64_t told_from() const { return told_from_; }
   /// Writes nothing from now on. For jobs on this thread.
   void fall_silent() { with_.event_writer.fall_silent(); }
   /// Steps, says that this server stops, and falls silent: all that it has taken from publishers is told. Returns how far
@@ -183,6 +186,7 @@ class WorldLoop {
   std::int64_t next_status_ns_ = 0;
   std::int64_t next_tick_ns_ = 0;
   std::int64_t say_again_ns_ = 0;  // likewise: when all that holds is said once more; 0: not
+  std::uint64_t told_from_ = 0;    // see told_from()
   LoopCounts counts_;
   StepSums sums_;
   StepTraces traces_;

@@ -63,7 +63,7 @@ TEST_F(ShardedVerbs, AWatchSaysWhatItDoesNotHear) {
       << away.err;
   fake::server().shard_gaps = 1;
   const Ran gap = collide("watch -n 1 --shards map.json");
-  EXPECT_NE(gap.err.find("a shard was silent, or another server took its place; what was missed comes marked resync"),
+  EXPECT_NE(gap.err.find("a shard was silent, or its server was started again; what was missed comes marked resync"),
             std::string::npos)
       << gap.err;
 }

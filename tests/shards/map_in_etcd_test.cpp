@@ -233,6 +233,7 @@ TEST_F(MapInEtcd, AWatchWaitsForAStandbyAsLongAsTheAuthorityDoes) {
       },
       20s));
   EXPECT_EQ(kinds, (std::vector{EventKind::began, EventKind::ended}));
+  EXPECT_EQ(watch->gaps(), 0U) << "nothing is missing";
 }
 
 }  // namespace

@@ -36,10 +36,14 @@ void RecordingEventWriter::write_events(const service::EventColumns& events, con
   else write_frame(events, stamp, false);
 }
 
-void RecordingEventWriter::speak(const service::SpokenBefore& before) {
+std::uint64_t RecordingEventWriter::speak(const service::SpokenBefore& before) {
   voice_ = Voice::speaks;
-  untold_.tell_all(
-      before, [&](const service::UntoldEvents::UntoldFrame& frame) { write_frame(frame.events, frame.stamp, true); });
+  std::uint64_t first = 0;
+  untold_.tell_all(before, [&](const service::UntoldEvents::UntoldFrame& frame) {
+    write_frame(frame.events, frame.stamp, true);
+    if (first == 0) first = frame.events.first_sequence;
+  });
+  return first;
 }
 
 void RecordingEventWriter::write_frame(const service::EventColumns& events, const service::Stamp& stamp,

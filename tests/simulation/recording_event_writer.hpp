@@ -29,7 +29,7 @@ class RecordingEventWriter : public service::EventWriter {
   const std::map<std::pair<std::uint64_t, std::uint64_t>, std::uint64_t>& open() const { return open_; }
 
   void fall_silent() override { voice_ = Voice::is_silent; }
-  void speak(const service::SpokenBefore& before) override;
+  std::uint64_t speak(const service::SpokenBefore& before) override;
   bool contacts_wanted() const override { return true; }
   bool persisted_wanted() const override { return false; }
   bool probes_wanted() const override { return false; }

@@ -95,7 +95,8 @@ class ShardedWatch {
   std::chrono::nanoseconds settled() const;
   /// Number of events dropped since next() was not called in time.
   std::uint64_t lost() const;
-  /// How often a shard missed something, or was not there for a while, so that its part of the world was not watched.
+  /// How often something of a shard may be missing: it was not there for a while, its server was started again, or what it
+  /// told was lost. That a standby took its server's place is none where all that it told was heard.
   std::uint64_t gaps() const;
   /// Number of contacts that hold now according to the events reported.
   std::size_t open_contacts() const;

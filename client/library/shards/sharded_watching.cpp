@@ -167,14 +167,33 @@ std::optional<ShardedWatching::ShardProgress> ShardedWatching::ask(std::size_t s
   const nlohmann::json said = nlohmann::json::parse(*answer, nullptr, false);
   if (!said.is_object()) return std::nullopt;
   return ShardProgress{.settled = nanoseconds(said.value("settled_ns", std::int64_t{0})),
-                       .told = {said.value("epoch", std::uint64_t{0}), said.value("event_sequence", std::uint64_t{0})}};
+                       .told = {said.value("epoch", std::uint64_t{0}), said.value("event_sequence", std::uint64_t{0})},
+                       .heir_of = said.value("heir_of", std::uint64_t{0}),
+                       .told_from = said.value("told_from", std::uint64_t{0})};
 }
 
 void ShardedWatching::count_gaps(std::size_t shard) {
   WatchedShard& watched = shards_[shard];
   if (!watched.watch) return;
-  const std::uint64_t resyncs = watched.watch->resyncs();
-  gaps_ += resyncs - std::exchange(watched.resyncs, resyncs);
+  const std::uint64_t gaps = watched.watch->gaps();
+  gaps_ += gaps - std::exchange(watched.gaps, gaps);
+  judge_life_change(watched);
+}
+
+/// What happened between two lives of a server may be missing, unless the second one has taken the first one's place and tells
+/// all from before that, and the watch has heard that from its first event on.
+void ShardedWatching::judge_life_change(WatchedShard& watched) {
+  const LifeChange change = watched.watch->life_change();
+  if (change.changes == watched.life_changes) return;
+  const std::optional<EventPlace> through = watched.watch->told_through();
+  const bool is_heard = watched.now && watched.now->told.epoch == change.now.epoch && through &&
+                        through->epoch == change.now.epoch && through->sequence >= watched.now->told.sequence;
+  // Where it does not answer at all, that is counted when it is given up.
+  if (!is_heard) return;
+  const ShardProgress& said = *watched.now;
+  const bool tells_all =
+      said.heir_of != 0 && said.heir_of == change.before.server && change.heard_from <= said.told_from;
+  gaps_ += change.changes - std::exchange(watched.life_changes, change.changes) - (tells_all ? 1 : 0);
 }
 
 }  // namespace collided::client

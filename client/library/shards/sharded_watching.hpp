@@ -37,12 +37,15 @@ class [[gnu::visibility("hidden")]] ShardedWatching {
   struct ShardProgress {
     std::chrono::nanoseconds settled{0};
     EventPlace told;
+    std::uint64_t heir_of = 0;    // the server whose place it has taken; 0: it has taken none
+    std::uint64_t told_from = 0;  // the first event that it has told since
   };
   struct WatchedShard {
     std::unique_ptr<Watch::State> watch;  // null: it was never there
     std::optional<ShardProgress> now;     // by the newest round in which it answered; none: it is away
     Clock::time_point answered;           // when that was
-    std::uint64_t resyncs = 0;            // that are in gaps_
+    std::uint64_t gaps = 0;               // of the watch, that are in gaps_
+    std::uint64_t life_changes = 0;       // of the server, that were judged
   };
   struct ShardEvent {
     std::size_t shard = 0;
@@ -59,6 +62,7 @@ class [[gnu::visibility("hidden")]] ShardedWatching {
   bool is_outdated() const;
   bool has_heard_all() const;
   void count_gaps(std::size_t shard);
+  void judge_life_change(WatchedShard & watched);
   bool sleep();
 
   const std::shared_ptr<ShardLinks> links_;

@@ -197,9 +197,11 @@ void Watch::State::work() {
     lock.unlock();
     hear(message);
     resyncs_ = watch_.resyncs();
+    gaps_ = watch_.gaps();
     in_step_ = watch_.in_step();
     const std::lock_guard told_lock(told_mutex_);
     told_through_ = watch_.emitted_through();
+    life_change_ = watch_.life_change();
   }
 }
 

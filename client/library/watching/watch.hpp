@@ -36,6 +36,13 @@ struct [[gnu::visibility("hidden")]] Watch::State {
     const std::lock_guard lock(told_mutex_);
     return told_through_;
   }
+  /// WatchState::gaps().
+  std::uint64_t gaps() const { return gaps_; }
+  /// WatchState::life_change().
+  client::LifeChange life_change() const {
+    const std::lock_guard lock(told_mutex_);
+    return life_change_;
+  }
   std::chrono::nanoseconds tells_since() const { return tells_since_; }
 
  private:
@@ -72,9 +79,11 @@ struct [[gnu::visibility("hidden")]] Watch::State {
   std::chrono::nanoseconds tells_since_{0};
   bool is_hearing_recorded_ = false;
   std::atomic<std::uint64_t> resyncs_{0};
+  std::atomic<std::uint64_t> gaps_{0};
   std::atomic<bool> in_step_{false};
   mutable std::mutex told_mutex_;
   std::optional<client::EventPlace> told_through_;
+  client::LifeChange life_change_;
   std::atomic<std::size_t> open_contacts_{0};
 
   std::atomic<bool> has_readers_{false};

@@ -89,6 +89,9 @@ void WatchState::start_life(const ServerLife& life) {
     told_to_ = std::max(joined_, bookmark_ ? bookmark_->world_time : std::chrono::nanoseconds(0));
     for (const HeardFrame::Entry& entry : recent_) { note_told(entry.event); }
   }
+  if (mode_ != Mode::starting && life_) {
+    life_change_ = {.changes = life_change_.changes + 1, .before = *life_, .now = life, .heard_from = 0};
+  }
   life_ = life;
   applied_ = run_start_ = 0;
   shards_ = {};
@@ -97,9 +100,21 @@ void WatchState::start_life(const ServerLife& life) {
   behind_at_.reset();
   stuck_ = false;
   if (mode_ != Mode::starting) {
-    mode_ = Mode::in_step;
-    doubt();
+    mode_ = Mode::doubtful;
+    ++resyncs_;
+    has_gap_ = false;
   }
+}
+
+void WatchState::note_heard_from(std::uint64_t sequence) {
+  if (run_start_ != 0 || life_change_.changes == 0) { return; }
+  std::uint64_t& from = life_change_.heard_from;
+  from = from == 0 ? sequence : std::min(from, sequence);
+}
+
+/// Something was missed, or may have been.
+void WatchState::note_gap() {
+  if (!std::exchange(has_gap_, true)) { ++gaps_; }
 }
 
 void WatchState::note_told(const Event& event) {
@@ -136,6 +151,7 @@ bool WatchState::has_ended_before(const Event& contact) const {
 }
 
 void WatchState::doubt() {
+  if (mode_ != Mode::starting) { note_gap(); }
   if (mode_ == Mode::in_step) {
     mode_ = Mode::doubtful;
     ++resyncs_;
@@ -152,7 +168,9 @@ void WatchState::hear(const HeardFrame& frame, Clock::time_point now) {
     entry.event.sequence = frame.first_sequence + i;
     entry.event.epoch = frame.from.epoch;
     if (run_start_ != 0 && entry.event.sequence <= applied_) { continue; }
-    if (mode_ != Mode::starting && entry.event.sequence != applied_ + 1) { doubt(); }
+    note_heard_from(entry.event.sequence);
+    const bool is_first_of_life = run_start_ == 0 && mode_ == Mode::doubtful;
+    if (mode_ != Mode::starting && !is_first_of_life && entry.event.sequence != applied_ + 1) { doubt(); }
     if (run_start_ == 0 || entry.event.sequence != applied_ + 1) { run_start_ = entry.event.sequence; }
     applied_ = entry.event.sequence;
     note(entry);
@@ -296,6 +314,7 @@ void WatchState::emit_missed(const Event& contact, EventKind what, EndReason why
   const bool was_contained = contact.contained != Containment::none;
   if (what == EventKind::ended && was_contained) emit_missed(contact, EventKind::emerged, why, sequence);
   if (what == EventKind::began || what == EventKind::ended) missed.contained = Containment::none;
+  if (what != EventKind::open) { note_gap(); }
   missed.kind = what;
   missed.reason = why;
   missed.resync = true;
@@ -325,11 +344,12 @@ void WatchState::hear(const HeardBookmark& bookmark, Clock::time_point now) {
     told_to_ = {};
   }
   stuck_ = false;
+  note_heard_from(bookmark.last_event_sequence + 1);
   if (bookmark.last_event_sequence <= applied_) {
     behind_at_.reset();
   } else if (behind_at_ == applied_) {
     stuck_ = true;  // the last events were lost, and none follows that would show the gap
-    doubt();
+    if (run_start_ != 0 || mode_ == Mode::in_step) { doubt(); }
   } else {
     behind_at_ = applied_;
   }
@@ -459,7 +479,10 @@ void WatchState::adopt_differences() {
     run_start_ = at + 1;
   }
   if (bookmark_->settled) { end_carried(); }
-  if (carried_.empty()) { mode_ = Mode::in_step; }
+  if (carried_.empty()) {
+    mode_ = Mode::in_step;
+    has_gap_ = false;
+  }
 }
 
 void WatchState::end_carried() {

@@ -36,6 +36,15 @@ struct EventPlace {
   std::uint64_t sequence = 0;
 };
 
+/// How one run of a server was heard to follow another.
+struct LifeChange {
+  std::uint64_t changes = 0;  // how many there were, this one included; 0: there was none
+  ServerLife before;
+  ServerLife now;
+  /// The number of the first event of `now` that was heard or, where no event was, would have been, by the first bookmark.
+  std::uint64_t heard_from = 0;
+};
+
 /// A frame of events, each of kind began or ended; on the topic of contacts that go on, persisted. Event i has the
 /// sequence number first_sequence + i.
 struct HeardFrame {
@@ -95,6 +104,10 @@ class WatchState {
     return in_step() ? std::optional(EventPlace{life_->epoch, applied_}) : std::nullopt;
   }
   std::uint64_t resyncs() const { return resyncs_; }
+  /// How often something was missed within the life of a server, or was found to be missing in the next one's.
+  std::uint64_t gaps() const { return gaps_; }
+  /// The newest; heard_from may become less until all events of a bookmark have come.
+  const LifeChange& life_change() const { return life_change_; }
 
  private:
   using Pair = std::pair<std::uint64_t, std::uint64_t>;
@@ -108,6 +121,8 @@ class WatchState {
 
   bool is_current(const ServerLife& from, Clock::time_point now);
   void start_life(const ServerLife& life);
+  void note_heard_from(std::uint64_t sequence);
+  void note_gap();
   void doubt();
 
   /// What a server told last of a pair.
@@ -148,6 +163,9 @@ class WatchState {
   Emit emit_;
   Mode mode_ = Mode::starting;
   std::uint64_t resyncs_ = 0;
+  std::uint64_t gaps_ = 0;
+  bool has_gap_ = false;  // that is in gaps_, and not made up for yet
+  LifeChange life_change_;
   std::optional<ServerLife> life_;
   Clock::time_point last_heard_;
 

@@ -342,9 +342,14 @@ json Commands::settled(const CommandAsk& ask, const Arguments& arguments) {
   if (with_.shard != nullptr && arguments.has("watch"))
     shard_watchers_.heard(ask.client, arguments.whole("watch", 0, kMost), arguments.text("map"), steady_ns());
   const SnapshotRing::Lease newest = with_.loop.world().newest();
-  return {{"settled_ns", with_.loop.settled_ns()},
-          {"event_sequence", with_.loop.world().last_event_sequence()},
-          {"epoch", newest->epoch}};
+  json answer{{"settled_ns", with_.loop.settled_ns()},
+              {"event_sequence", with_.loop.world().last_event_sequence()},
+              {"epoch", newest->epoch}};
+  if (const std::uint64_t predecessor = with_.predecessor ? with_.predecessor() : 0; predecessor != 0) {
+    answer["heir_of"] = predecessor;
+    answer["told_from"] = with_.loop.told_from();
+  }
+  return answer;
 }
 
 // ---- commands that change the world

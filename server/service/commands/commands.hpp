@@ -65,7 +65,8 @@ class Commands {
     std::function<void(const CommandAsk&)> changed = {};
     // The name of the server that takes this one's place, by the name that was asked for, or any; throws BadCommand.
     std::function<std::string(const std::string&)> hand_over = {};
-    bool is_replica = false;  // what changes the world is the primary's to do
+    bool is_replica = false;                          // what changes the world is the primary's to do
+    std::function<std::uint64_t()> predecessor = {};  // the server whose place this one has taken; 0: none
   };
 
   /// uploads  folder for files that clients send; empty: none are taken

@@ -114,16 +114,19 @@ void DdsEventWriter::note_lapse() {
   if (lapsed_ns_ == 0 && term_.is_over()) lapsed_ns_ = std::max<std::int64_t>(1, term_.until_ns());
 }
 
-void DdsEventWriter::speak(const SpokenBefore& before) {
+std::uint64_t DdsEventWriter::speak(const SpokenBefore& before) {
   is_silent_ = false;
   lapsed_ns_ = 0;
   note_lapse();
   // What was kept stays so until the term goes on.
-  if (is_quiet()) return;
+  if (is_quiet()) return 0;
+  std::uint64_t first = 0;
   untold_.tell_all(before, [&](const UntoldEvents::UntoldFrame& frame) {
     const Stamp again{.version = 0, .world_time_ns = frame.stamp.world_time_ns};
     write_frame(frame.is_of_fences ? fence_event_writer_ : event_writer_, frame.events, again);
+    if (first == 0 && !frame.is_of_fences) first = frame.events.first_sequence;
   });
+  return first;
 }
 
 void DdsEventWriter::write_events(const EventColumns& events, const Stamp& stamp) {

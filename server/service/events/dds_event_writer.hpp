@@ -32,7 +32,7 @@ class DdsEventWriter : public EventWriter {
                  const ServingTerm& term);
 
   void fall_silent() override { is_silent_ = true; }
-  void speak(const SpokenBefore& before) override;
+  std::uint64_t speak(const SpokenBefore& before) override;
   /// In all that is written from now on.
   void set_epoch(std::uint64_t epoch);
   /// Since when it writes nothing because the term was over, steady clock; 0: it writes, or fell silent for another

@@ -51,7 +51,9 @@ class EventWriter {
   /// From now on nothing is written, as of a server that stands by; all else is as if it were.
   virtual void fall_silent() {}
   /// Ends that: first come the events that the server which spoke so far may not have written.
-  virtual void speak(const SpokenBefore&) {}
+  ///
+  /// returns  the number of the first one of contacts; 0: there is none
+  virtual std::uint64_t speak(const SpokenBefore&) { return 0; }
   virtual bool contacts_wanted() const = 0;  // events or contacts have a reader
   virtual bool persisted_wanted() const = 0;
   virtual bool probes_wanted() const = 0;

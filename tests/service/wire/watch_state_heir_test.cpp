@@ -132,9 +132,58 @@ TEST_F(WatchStateHeir, WhatIsToldAgainIsToldOnceWhereverThePrimaryBrokeOff) {
     }
     hear(dated(heir.bookmark(), all.back().time));
     EXPECT_TRUE(state_.in_step()) << "round " << round;
+    // Nothing was missing, and the watch can tell from which event on it has heard the heir.
+    EXPECT_EQ(state_.gaps(), 0U) << "round " << round;
+    EXPECT_EQ(state_.life_change().changes, 1U);
+    EXPECT_EQ(state_.life_change().heard_from, std::min(again_from, takes_over) + 1) << "round " << round;
     ASSERT_EQ(told(), expected) << "round " << round << ": joined at " << joins << ", broke off at " << breaks_off
                                 << ", told again from " << again_from << ", taken over at " << takes_over;
   }
+}
+
+// An heir that tells nothing again, since nothing has happened, is heard from its next event on.
+TEST_F(WatchStateHeir, ATakeoverInWhichNothingHappensIsNoGap) {
+  Model primary(1), heir(2, 2);
+  hear(primary.began({1, 2}));
+  hear_state_of(primary, std::chrono::hours(1));
+  for (int i = 0; i < 4; ++i) {
+    heir.began({3, 4});
+    heir.ended({3, 4});
+  }
+  heir.began({1, 2});
+  hear_state_of(heir, std::chrono::hours(1));
+  hear(heir.bookmark());
+  EXPECT_TRUE(state_.in_step());
+  hear(heir.ended({1, 2}));
+  hear(heir.bookmark());
+  EXPECT_EQ(told(), (Lines{"open 1 2 resync", "ended 1 2"}));
+  EXPECT_EQ(state_.gaps(), 0U);
+  EXPECT_EQ(state_.resyncs(), 1U);
+  EXPECT_EQ(state_.life_change().before, (ServerLife{1, 1}));
+  EXPECT_EQ(state_.life_change().now, (ServerLife{2, 2}));
+  EXPECT_EQ(state_.life_change().heard_from, 10U) << "after its nine events of before";
+}
+
+// One of the events that it tells again was lost on the way, or a difference shows that something was.
+TEST_F(WatchStateHeir, WhatIsMissingOfAnHeirIsAGap) {
+  Model primary(1), heir(2, 2);
+  hear_state_of(primary, std::chrono::hours(1));
+  hear(heir.began({1, 2}));
+  heir.ended({1, 2});
+  hear(heir.began({3, 4}));
+  EXPECT_EQ(state_.gaps(), 1U);
+  hear_state_of(heir, std::chrono::hours(1));
+  EXPECT_TRUE(state_.in_step());
+  EXPECT_EQ(state_.gaps(), 1U) << "once, however it is made up for";
+  EXPECT_EQ(state_.life_change().heard_from, 1U);
+  Model last(3, 3);
+  last.began({3, 4});
+  last.began({5, 6});
+  hear_state_of(last, std::chrono::hours(1));
+  hear(last.bookmark());
+  EXPECT_TRUE(state_.in_step());
+  EXPECT_EQ(state_.gaps(), 2U) << "nobody told of the second contact";
+  EXPECT_EQ(state_.life_change().changes, 2U);
 }
 
 // A primary that was stopped and goes on is not the heir of its heir.
