@@ -147,24 +147,35 @@ class Failover {
     for (const auto& [name, standby] : standbys_) all += name + ": " + standby->errors() + "\n";
     return all;
   }
-  /// The one of the standbys that is the primary now; null: none is.
+  /// The one of the standbys that is the primary now; null: none is. Where the machine stood still two may have taken the place;
+  /// the one with the lower epoch gives way.
   std::unique_ptr<ChildProcess> take_heir() {
-    std::unique_ptr<ChildProcess> heir;
+    std::string heir = standbys_.size() == 1 ? standbys_.begin()->first : std::string();
     static_cast<void>(wait_until(
         [&] {
-          for (auto& [name, standby] : standbys_) {
-            const std::optional<FleetMember> one = standbys_.size() > 1 ? member(name) : std::nullopt;
-            const bool is_heir = standbys_.size() == 1 || (one && one->role == FleetRole::primary);
-            if (is_heir) heir = std::move(standby);
+          std::uint64_t greatest = 0;
+          for (const auto& [name, standby] : standbys_) {
+            if (standbys_.size() == 1) break;
+            const std::optional<FleetMember> one = member(name);
+            if (!one || one->role != FleetRole::primary || one->epoch < greatest) continue;
+            greatest = one->epoch;
+            heir = name;
           }
-          return heir != nullptr;
+          return !heir.empty();
         },
         kPatience));
-    std::erase_if(standbys_, [](const auto& entry) { return entry.second == nullptr; });
-    return heir;
+    if (heir.empty()) return nullptr;
+    std::unique_ptr<ChildProcess> process = std::move(standbys_[heir]);
+    standbys_.erase(heir);
+    return process;
+  }
+  void drop_those_that_gave_way() {
+    given_way_ += static_cast<int>(std::erase_if(
+        standbys_, [](const auto& entry) { return entry.second->wait(std::chrono::milliseconds(1)) == 3; }));
   }
 
   int one_round(int round) {
+    drop_those_that_gave_way();
     while (standbys_.size() < standby_count_) {
       const std::string name = "m" + std::to_string(started_);
       standbys_[name] = start(true);
@@ -314,6 +325,7 @@ class Failover {
     std::printf("from the failure to the next one's first event: p50 %.0f ms, p99 %.0f ms, longest %.0f ms\n",
                 percentile(gaps_ms, 0.5), percentile(gaps_ms, 0.99), percentile(gaps_ms, 1));
     std::printf("%zu questions answered, %zu of them wrong\n", answered_, wrong_);
+    if (standby_count_ > 1) std::printf("%d took the place beside another one, and gave way\n", given_way_);
     for (const auto& [why, count] : unanswered_) std::printf("  %zu not answered: %s...\n", count, why.c_str());
     const int failed = how_ == How::hand_over ? static_cast<int>(unanswered_.size()) : 0;
     return lost + doubled + unlike + heard_.resyncs + heard_.lower_epochs + static_cast<int>(wrong_) + failed;
@@ -330,6 +342,7 @@ class Failover {
   const std::string take_over_ms_;
   const std::size_t standby_count_;
   int started_ = 0;
+  int given_way_ = 0;  // of those that stood by
   std::unique_ptr<ChildProcess> primary_;
   std::map<std::string, std::unique_ptr<ChildProcess>> standbys_;  // by name of the member
   std::optional<Client> client_;
