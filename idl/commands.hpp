@@ -97,7 +97,7 @@ inline constexpr const char* kAudit = "audit";
 ///    poses {applied, late, unknown, refused, superseded, dropped}, stamps {late, jumped, missing},
 ///    clocks [{publisher, behind_ns}], refused (requests), undecided (answers),
 ///    questions [{kind, answered, durations [[ns at most, count]]}] (durations of the samples that they come in),
-///    not_built [structure]
+///    not_built [structure], tiles [{scene, read, of (tiles of its file), triangles (held), triangles_of_file}] (scenes in tiles)
 inline constexpr const char* kFigures = "figures";
 
 /// last (at most 256): the newest steps of the world, the oldest first

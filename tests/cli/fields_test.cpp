@@ -241,6 +241,21 @@ TEST_F(Fields, PairsInDoubtAreCountedInTheStatus) {
   EXPECT_NE(at_terminal("status").out.find("\n3 pairs in doubt"), std::string::npos) << at_terminal("status").out;
 }
 
+TEST_F(Fields, WhatIsHeldOfASceneInTilesIsInTheStatus) {
+  json figures{{"tiles", json::array()}};
+  fake::server().command = [&](const std::string& name, const json&, const Shape&) -> Result<std::string> {
+    return name == "figures" ? figures.dump() : std::string("{}");
+  };
+  EXPECT_EQ(collide("status --fields tiles").out, "[]\n");
+  EXPECT_EQ(at_terminal("status").out.find("tiles"), std::string::npos);
+  figures["tiles"].push_back(
+      {{"scene", "hills"}, {"read", 12}, {"of", 64}, {"triangles", 310}, {"triangles_of_file", 999}});
+  EXPECT_NE(at_terminal("status").out.find("\ntiles of hills  12 of 64 read  ·  310 of 999 triangles held\n"),
+            std::string::npos)
+      << at_terminal("status").out;
+  EXPECT_EQ(json::parse(collide("status --fields tiles").out), figures["tiles"]);
+}
+
 TEST_F(Fields, SearchesThatWereCutShortAreCountedInTheStatus) {
   std::uint64_t count = 0;
   fake::server().command = [&](const std::string& name, const json&, const Shape&) -> Result<std::string> {

@@ -279,6 +279,16 @@ TEST_F(TiledWorld, WhatAShardHoldsOfTheTilesIsSaid) {
   EXPECT_EQ(said.at("of"), count);
   EXPECT_LT(said.at("read"), count);
   EXPECT_EQ(said.at("triangles_of_file"), loaded.mesh.triangles.size());
+  const Result<std::string> figures = west.command("figures", "{}");
+  ASSERT_TRUE(figures) << figures.error().message;
+  const json held = json::parse(*figures).at("tiles");
+  ASSERT_EQ(held.size(), 1U);
+  EXPECT_EQ(held[0].at("scene"), "yard");
+  EXPECT_EQ(held[0].at("read"), said.at("read"));
+  EXPECT_EQ(held[0].at("of"), count);
+  EXPECT_GT(held[0].at("triangles"), 0);
+  EXPECT_LT(held[0].at("triangles"), loaded.mesh.triangles.size());
+  EXPECT_EQ(held[0].at("triangles_of_file"), loaded.mesh.triangles.size());
   const Result<std::string> ground = west.command("get", R"({"name": "yard/ground"})");
   ASSERT_TRUE(ground) << ground.error().message;
   EXPECT_NE(ground->find("\"triangles_of_part\":1152"), std::string::npos) << *ground;

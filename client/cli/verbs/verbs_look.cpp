@@ -33,6 +33,7 @@ class StatusCommand : public Command {
     const nlohmann::json figures = figures_of(session.client(globals));
     const nlohmann::json in_doubt = count_in(figures, "pairs", "in_doubt");
     const nlohmann::json cut_short = count_in(figures, "fences", "cut_short");
+    const nlohmann::json tiles = figures.is_object() ? figures.value("tiles", nlohmann::json()) : nlohmann::json();
     const bool keeps_nothing = figures.is_object() && flag_of(figures, "keeps_nothing");
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) {
@@ -47,6 +48,7 @@ class StatusCommand : public Command {
             fmt::format("{} search{} of fences ended at the limit: who came and went then may not have been told",
                         format_count(cut_short.get<std::uint64_t>()), cut_short == 1u ? "" : "es")));
       }
+      print_tiles(printer, tiles);
       print_covers(printer, covers);
       if (keeps_nothing)
         printer.line(printer.paint(Paint::doubt, "keeps nothing: what commands do is lost with a crash (--state-dir)"));
@@ -56,6 +58,7 @@ class StatusCommand : public Command {
       all.push_back({"in_doubt", in_doubt.is_number_unsigned() ? Value(in_doubt.get<std::uint64_t>()) : Value()});
       all.push_back({"cut_short", cut_short.is_number_unsigned() ? Value(cut_short.get<std::uint64_t>()) : Value()});
       all.push_back({"keeps_nothing", keeps_nothing});
+      all.push_back({"tiles", tiles.is_array() ? Value(RawJson{json_text(tiles)}) : Value()});
       all.push_back({"covers", covers.is_null() ? Value() : Value(RawJson{covers.dump()})});
       printer.set_usual_fields({"state", "world", "scenes", "objects", "moving", "contacts", "undecided_answers"});
       printer.record(all);
@@ -90,6 +93,17 @@ class StatusCommand : public Command {
   static nlohmann::json count_in(const nlohmann::json& figures, const char* group, const char* key) {
     const bool is_told = figures.is_object() && figures.contains(group) && figures[group].is_object();
     return is_told ? figures[group].value(key, nlohmann::json()) : nlohmann::json();
+  }
+
+  /// Of each scene from a file in tiles, how much of it this server holds.
+  static void print_tiles(Printer& printer, const nlohmann::json& tiles) {
+    if (!tiles.is_array()) return;
+    for (const nlohmann::json& scene : tiles) {
+      printer.line(fmt::format("tiles of {}  {} of {} read  ·  {} of {} held", printable(text_of(scene, "scene")),
+                               format_count(count_of(scene, "read")), format_count(count_of(scene, "of")),
+                               format_count(count_of(scene, "triangles")),
+                               counted(count_of(scene, "triangles_of_file"), "triangle")));
+    }
   }
 
   static void print_covers(Printer& printer, const nlohmann::json& covers) {

@@ -1,4 +1,5 @@
 #include "server/service/commands/commands.hpp"
+#include "server/service/commands/object_description.hpp"
 #include "server/world/query/plan.hpp"
 
 namespace collided::engine::service {
@@ -22,6 +23,18 @@ json stages(const StepSums& sums) {
   row("test", sums.test_ns);
   row("events", sums.events_ns);
   row("publish", sums.publish_ns);
+  return rows;
+}
+
+/// What is held of the scenes whose files are in tiles.
+json tiles_of(const Snapshot& state) {
+  json rows = json::array();
+  for (const auto& scene : state.scenes) {
+    if (!scene->tiles) continue;
+    rows.push_back(tiles_json(*scene->tiles));
+    rows.back()["scene"] = scene->name;
+    rows.back()["triangles"] = scene->mesh.triangles.size();
+  }
   return rows;
 }
 
@@ -97,7 +110,8 @@ json Commands::figures(const Arguments& arguments) const {
           {"questions", questions(with_.counts)},
           {"refused", with_.counts.refused.load()},
           {"undecided", with_.counts.undecided.load()},
-          {"not_built", not_built}};
+          {"not_built", not_built},
+          {"tiles", tiles_of(*state)}};
 }
 
 /// The newest steps, stage by stage, as idl/commands.hpp lists them under `steps`.
