@@ -124,7 +124,7 @@ nlohmann::json bounds_of(const Snapshot& snapshot, const ObjectInfo& info) {
     const StaticScene* scene = scene_with(snapshot, info);
     return scene != nullptr ? part_bounds(*scene, scene->parts[info.scene_part]) : json(nullptr);
   }
-  const Aabb& bounds = snapshot.bounds[slot_of(info.id)];
+  const Aabb bounds = snapshot.bounds(slot_of(info.id));
   return {numbers(bounds.low), numbers(bounds.high)};
 }
 

@@ -43,7 +43,7 @@ double least(const Snapshot& snapshot, double limit, Measure&& measure, WalkTree
     };
     walk_tree(scene->tree, best, triangle);
   }
-  const auto object = [&](std::uint32_t slot, double) { return best = std::min(best, measure(snapshot.bounds[slot])); };
+  const auto object = [&](std::uint32_t slot, double) { return best = std::min(best, measure(snapshot.bounds(slot))); };
   if (snapshot.grid) walk_grid(*snapshot.grid, best, object);
   return best;
 }

@@ -257,9 +257,10 @@ bool FenceDecisions::holds_a_piece(const Placed& outer, const Placed& inner, Pie
 ContactSearch FenceDecisions::touch_at_end(const FencePiece& piece) {
   ContactSearch touch;
   touch.wanted = false;
-  const Placed mover = placed_at(rows_, piece.mover, piece.mover_motion.to);
+  const bool with_bounds = !is_ball_or_box(*rows_.info(piece.mover)) || !is_ball_or_box(table_.body(piece.fence));
+  const Placed mover = placed_at(rows_, piece.mover, piece.mover_motion.to, with_bounds);
   const Placed fence = placed_fence(piece.fence, piece.fence_motion.to);
-  if (!overlaps(mover.bounds, fence.bounds)) return touch;
+  if (with_bounds && !overlaps(mover.bounds, fence.bounds)) return touch;
   search_objects(mover, fence, touch, walk_);
   cost_.exact_tests += touch.exact_tests;
   touch.yes =
@@ -302,7 +303,7 @@ std::optional<SweptContact> FenceDecisions::sweep_sphere(const FencePiece& piece
                               .end = place(motion.to, sphere->center),
                               .radius_m = sphere->radius_m},
                     .width = step_.options.sweep_width};
-  sweep_object(sweep, is_mover ? placed_fence(piece.fence, others.to) : placed_at(rows_, piece.mover, others.to),
+  sweep_object(sweep, is_mover ? placed_fence(piece.fence, others.to) : placed_at(rows_, piece.mover, others.to, false),
                walk_);
   cost_.exact_tests += sweep.found.exact_tests;
   return sweep.found;

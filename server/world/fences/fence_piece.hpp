@@ -5,6 +5,7 @@
 #include "server/exact_phase/motion/body_motion.hpp"
 #include "server/world/objects/contact_search.hpp"
 #include "server/world/objects/object_rows.hpp"
+#include "server/world/objects/sweep.hpp"
 
 namespace collided::engine {
 
@@ -24,13 +25,16 @@ inline bool is_resting(const BodyMotion& motion) {
   return motion.turn_rad == 0 && motion.from.position == motion.to.position;
 }
 
+/// Testing one against another asks nothing of their bounds, and takes no longer than to work these out.
+inline bool is_ball_or_box(const ObjectInfo& info) { return lone_box(info) != nullptr || lone_sphere(info); }
+
 /// An object at a frame. A frame between two poses is interpolated: no pose was given for it.
-inline Placed placed_at(const ObjectRows& rows, std::uint32_t slot, const Frame& frame) {
+inline Placed placed_at(const ObjectRows& rows, std::uint32_t slot, const Frame& frame, bool with_bounds = true) {
   const ObjectRow& row = rows[slot];
   const bool is_given = frame.position == row.pose.position && is_same(frame, row.frame());
   return {.info = rows.info(slot),
           .frame = frame,
-          .bounds = is_given ? rows.bounds(slot) : bounds_of(*rows.info(slot), frame),
+          .bounds = with_bounds ? bounds_of(*rows.info(slot), frame) : Aabb{},
           .pose = is_given ? &row.pose : nullptr};
 }
 

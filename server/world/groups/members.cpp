@@ -20,7 +20,7 @@ std::uint32_t Members::add(ObjectId id) {
   } else {
     member.placed.frame = snapshot_.frame(slot);
     member.pose = snapshot_.poses[slot];
-    member.placed.bounds = snapshot_.bounds[slot];
+    member.placed.bounds = snapshot_.bounds(slot);
     if (snapshot_.has_given_poses) member.placed.pose = &member.pose;
   }
   if (snapshot_.pair_rules) member.rule_fit = snapshot_.pair_rules->fit_of(member.info->name);

@@ -11,12 +11,6 @@ namespace {
 
 std::uint32_t tag_of(std::string_view name) { return static_cast<std::uint32_t>(std::hash<std::string_view>{}(name)); }
 
-/// At the row's pose.
-Aabb bounds_of(const ObjectRow& row, const ObjectInfo& info) {
-  if (row.is_centred_sphere) return bounds(Sphere{placed_center(row.pose, Vec3::Zero()), row.lone_radius_m});
-  return bounds_of(info, row.frame());
-}
-
 }  // namespace
 
 ObjectTable& ObjectRows::table_to_change() {
@@ -173,10 +167,16 @@ void ObjectRows::stamp_changes(std::int64_t world_time_ns, const Sources& source
   }
 }
 
-void ObjectRows::copy_changes(const Snapshot& newest, Snapshot& to) {
+Aabb ObjectRows::bounds(std::uint32_t slot) const {
+  const ObjectRow& row = rows_[slot];
+  if (row.movable == 0) return {};
+  if (row.is_centred_sphere) return engine::bounds(Sphere{placed_center(row.pose, Vec3::Zero()), row.lone_radius_m});
+  return bounds_of(*info(slot), row.frame());
+}
+
+void ObjectRows::copy_changes(Snapshot& to) {
   const std::size_t count = row_count();
   resize_column(to.poses, count);
-  resize_column(to.bounds, count);
   resize_column(to.posed_ns, count);
   resize_column(to.stale, count);
   const std::uint64_t change_count = forgotten_changes_ + changes_.size();
@@ -187,22 +187,16 @@ void ObjectRows::copy_changes(const Snapshot& newest, Snapshot& to) {
   const std::size_t copies = takes_all ? count : static_cast<std::size_t>(change_count - to.changes_seen);
   // Locals, since what the loop writes could else be these.
   Pose* const poses = to.poses.data();
-  Aabb* const bounds = to.bounds.data();
   std::int64_t* const posed_ns = to.posed_ns.data();
   std::uint8_t* const stale = to.stale.data();
   const ObjectRow* const rows = rows_.data();
-  const std::uint8_t* const news = news_.data();
   for (std::size_t i = 0; i < copies; ++i) {
     const std::size_t slot = takes_all ? i : changed[i];
     const ObjectRow& row = rows[slot];
     poses[slot] = row.pose;
     posed_ns[slot] = row.posed_ns;
     stale[slot] = row.is_stale ? 1 : 0;
-    if (row.movable == 0) bounds[slot] = Aabb{};
-    else if (news[slot] != 0) bounds[slot] = bounds_of(row, *(*table_)[slot]);
-    else bounds[slot] = newest.bounds[slot];
   }
-  bounds_ = bounds;
   to.changes_seen = change_count;
   to.objects = table_;
   to.table_version = table_version_;

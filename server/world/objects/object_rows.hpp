@@ -87,12 +87,6 @@ class ObjectRows {
   bool move(ObjectId id, const Pose& pose, const PoseTime& at, Motion how);
   /// Prefetches what move() writes of an object. Only a hint: any slot is allowed.
   void prefetch(std::uint32_t slot) const;
-  /// The same of what bounds() gives. Always inline: the compiler leaves out calls of what only prefetches.
-  [[gnu::always_inline]] void prefetch_bounds(std::uint32_t slot) const {
-    const auto* bounds = reinterpret_cast<const char*>(bounds_ + slot);
-    __builtin_prefetch(bounds);
-    __builtin_prefetch(bounds + sizeof(Aabb) - 1);
-  }
   /// Makes the next step test every moving object as if newly placed: it may touch what was just added.
   void place_all_movers_again();
   /// Makes the next step test this object again although it did not move: a pair in doubt may be decided now.
@@ -105,9 +99,8 @@ class ObjectRows {
   // A step: changes are stamped, then copied, then no longer changes.
   /// Stamps the changed rows with the step, and gives a time to objects whose definition's pose has none yet.
   void stamp_changes(std::int64_t world_time_ns, const Sources& sources);
-  /// Copies only what changed since `to` was last filled: moving 100 of 100,000 objects costs 100 copies. Bounds are worked
-  /// out for what has a new pose, the others come from the newest state.
-  void copy_changes(const Snapshot& newest, Snapshot& to);
+  /// Copies only what changed since `to` was last filled: moving 100 of 100,000 objects costs 100 copies.
+  void copy_changes(Snapshot& to);
   /// Forgets the changes; slots freed in this step may be used again. Gives back the rows after the last object once they
   /// are a part of all, so that each object that left costs a few copies.
   void end_step();
@@ -116,9 +109,9 @@ class ObjectRows {
   /// How many slots, from 0, have a row: those of all objects, and most free ones between them.
   std::size_t row_count() const { return rows_.size(); }
   const ObjectRow& operator[](std::uint32_t slot) const { return rows_[slot]; }
-  /// Of the object at its pose; empty for free slots and static parts. From the copying of changes to the end of the step:
-  /// the state that was filled has them, and no row.
-  const Aabb& bounds(std::uint32_t slot) const { return bounds_[slot]; }
+  /// Of the object at its pose; empty for free slots and static parts. Worked out anew: within a step,
+  /// StepMotion::pose_bounds() knows most of them.
+  Aabb bounds(std::uint32_t slot) const;
   const ObjectTable& table() const { return *table_; }
   const ObjectInfo* info(std::uint32_t slot) const { return (*table_)[slot].get(); }
   /// The whole object, where it is one sphere and nothing else.
@@ -155,7 +148,6 @@ class ObjectRows {
   void note_change(std::uint32_t slot);
 
   std::vector<ObjectRow> rows_;
-  const Aabb* bounds_ = nullptr;  // by slot, of the state that was filled last
   // Outside of the rows, since a step reads them for all objects.
   std::vector<Motion> motion_;
   enum News : std::uint8_t { kDefined = 1, kPosed = 2 };

@@ -11,7 +11,7 @@ namespace collided::engine {
 inline Placed placed_in(const Snapshot& snapshot, std::uint32_t slot) {
   return {.info = (*snapshot.objects)[slot].get(),
           .frame = snapshot.frame(slot),
-          .bounds = snapshot.bounds[slot],
+          .bounds = snapshot.bounds(slot),
           .pose = snapshot.has_given_poses ? &snapshot.poses[slot] : nullptr};
 }
 

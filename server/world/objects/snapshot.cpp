@@ -2,7 +2,14 @@
 
 #include <utility>
 
+#include "server/world/objects/contact_search.hpp"
+
 namespace collided::engine {
+
+Aabb Snapshot::bounds(std::uint32_t slot) const {
+  const ObjectInfo* info = (*objects)[slot].get();
+  return info == nullptr || info->scene_part != kNoScenePart ? Aabb{} : bounds_of(*info, frame(slot));
+}
 
 SnapshotRing::Lease::Lease(const Lease& other) : ring_(other.ring_), index_(other.index_) {
   if (ring_ != nullptr) ring_->states_[index_].readers.fetch_add(1, std::memory_order_relaxed);

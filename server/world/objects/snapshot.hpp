@@ -26,7 +26,6 @@ struct StaleObject {
 
 /// One unchanging, consistent state of every object: what a query sees.
 /// Any thread may read it for as long as it holds the lease; no thread waits for another.
-/// Always: bounds[slot] contains every point of the object at its pose; empty for free slots and static parts.
 struct Snapshot {
   std::uint64_t epoch = 0;
   std::uint64_t version = 0;
@@ -38,7 +37,6 @@ struct Snapshot {
   std::vector<Pose> poses;             // by slot
   bool has_given_poses = true;         // false: poses were worked out, as at an instant between two that were given
   std::vector<Frame> frames;           // by slot, what poses were worked out from; empty where they were given
-  std::vector<Aabb> bounds;            // by slot
   std::vector<std::int64_t> posed_ns;  // world time of the pose, by slot; 0: never moved
   std::vector<std::uint8_t> stale;     // 1: the publisher is lost, the pose is frozen
   std::vector<StaleObject> stale_objects;
@@ -47,12 +45,15 @@ struct Snapshot {
   std::shared_ptr<const PairRules> pair_rules;  // which pairs may touch; null: those that filters let pass alone
   std::shared_ptr<const ParentOf> parents;      // of attached objects; null: there is none
   bool contacts_truncated = false;              // there are more contacts than the step could report
-  std::shared_ptr<Grid> grid;      // over bounds, or larger ones; shared between snapshots while no object moves
+  std::shared_ptr<Grid> grid;      // over all bounds(), or larger ones; shared between snapshots while no object moves
   std::uint64_t changes_seen = 0;  // how many of ObjectRows' changes it has, so that refilling copies only later ones
 
   /// Where the object is. Of a given pose it is worked out anew, in some 10 ns: kept, it would take two fifths of a state's
   /// memory.
   Frame frame(std::uint32_t slot) const { return has_given_poses ? frame_of(poses[slot]) : frames[slot]; }
+  /// Contains every point of the object at its pose; empty for free slots and static parts. Worked out anew like frames,
+  /// since only few of the objects that are asked about need it.
+  Aabb bounds(std::uint32_t slot) const;
 };
 
 /// Hands snapshots from the one writer to any number of readers without a lock: a ring of states, each with a count of

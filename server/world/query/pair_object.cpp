@@ -29,7 +29,7 @@ PairObject::PairObject(const Snapshot& snapshot, ObjectId id, Deadline& deadline
   const ObjectInfo& info = *(*snapshot.objects)[slot_of(id)];
   placed = {.info = &info,
             .frame = snapshot.frame(slot_of(id)),
-            .bounds = snapshot.bounds[slot_of(id)],
+            .bounds = snapshot.bounds(slot_of(id)),
             .pose = snapshot.has_given_poses ? &snapshot.poses[slot_of(id)] : nullptr};
   reach = placed.bounds;
   if (const std::optional<Aabb> region = unknown_region(snapshot, id)) {

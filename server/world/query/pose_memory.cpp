@@ -181,14 +181,12 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
     std::for_each(lives_.begin(), lives_.end(), take);
     state->objects = std::move(objects);
   }
-  state->bounds.resize(state->frames.size());
+  std::vector<Aabb> bounds(state->frames.size());
   for (std::size_t slot = 0; slot < state->frames.size(); ++slot) {
-    const ObjectInfo* info = (*state->objects)[slot].get();
-    if (info != nullptr && info->scene_part == kNoScenePart)
-      state->bounds[slot] = bounds_of(*info, state->frames[slot]);
+    bounds[slot] = state->bounds(static_cast<std::uint32_t>(slot));
   }
   state->grid = std::make_shared<Grid>();
-  state->grid->rebuild(state->bounds);
+  state->grid->rebuild(bounds);
   return state;
 }
 

@@ -40,7 +40,7 @@ struct Question {
   Placed placed(std::uint32_t slot) const {
     return {.info = &object(slot),
             .frame = snapshot.frame(slot),
-            .bounds = snapshot.bounds[slot],
+            .bounds = snapshot.bounds(slot),
             .pose = snapshot.has_given_poses ? &snapshot.poses[slot] : nullptr};
   }
   std::uint8_t flags_of(ObjectId id) const {

@@ -110,7 +110,7 @@ bool Candidates::consider_waiting() {
     for (const std::uint32_t slot : {waiting_.pairs[i].first, waiting_.pairs[i].second}) {
       if (step_.motion.ball(slot).radius_m >= 0) continue;
       rows_.prefetch(slot);
-      rows_.prefetch_bounds(slot);
+      step_.motion.prefetch_bounds(slot);
       __builtin_prefetch(rows_.info(slot));
     }
   }

@@ -81,7 +81,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   if (s.fences && (has_open || s.fences->has_news())) s.fences->decide(view, *next->grid);
   const std::int64_t decided = steady_ns();
   if (has_open) {
-    if (step_options.contacts) correct_inner_edges(s.rows, s.scenes, s.ledger);
+    if (step_options.contacts) correct_inner_edges(s.rows, s.motion, s.scenes, s.ledger);
     s.looks_at_all = s.cost.truncated;
   } else {
     s.cost.truncated = s.looks_at_all;
@@ -151,7 +151,7 @@ void World::State::mark_unsure_ends() {
 }
 
 void World::State::fill(Snapshot& next, std::int64_t world_time_ns) {
-  rows.copy_changes(ring.current(), next);
+  rows.copy_changes(next);
   next.epoch = options.epoch;
   next.version = version;
   next.world_time_ns = world_time_ns;

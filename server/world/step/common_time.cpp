@@ -229,18 +229,21 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
 ContactSearch Decisions::touch_at_end(const PairPiece& piece, Contained& contained) {
   ContactSearch touch;
   touch.wanted = step_.step_options.contacts;
+  const bool are_simple = are_balls_or_boxes(piece.a, piece.b);
   const auto placed_at = [&](std::uint32_t slot, const Frame& frame) {
     // A frame between two poses is interpolated: no pose was given for it.
     const ObjectRow& row = rows_[slot];
     const bool is_given = frame.position == row.pose.position && frame.rotation == row.frame().rotation;
     return Placed{.info = rows_.info(slot),
                   .frame = frame,
-                  .bounds = is_given ? rows_.bounds(slot) : bounds_of(*rows_.info(slot), frame),
+                  .bounds = are_simple ? Aabb{}
+                            : is_given ? motion_.pose_bounds(slot)
+                                       : bounds_of(*rows_.info(slot), frame),
                   .pose = is_given ? &row.pose : nullptr};
   };
   const Placed a = placed_at(piece.a, piece.a_motion.to);
   const Placed b = placed_at(piece.b, piece.b_motion.to);
-  if (overlaps(a.bounds, b.bounds)) search_objects(a, b, touch, walk_);
+  if (are_simple || overlaps(a.bounds, b.bounds)) search_objects(a, b, touch, walk_);
   cost_.exact_tests += touch.exact_tests;
   contained = look_within(a, b, touch);
   return touch;
@@ -311,11 +314,19 @@ bool Decisions::surely_stay_apart(const PairPiece& piece) const {
 
 /// The error of placing both anywhere in the piece: at most that of the worse end, plus the motion's own error.
 double Decisions::placing_error_on(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle) const {
+  const bool are_simple = are_balls_or_boxes(piece.a, piece.b);
+  const auto unplaced = [&](std::uint32_t slot) {
+    return Placed{.info = rows_.info(slot),
+                  .frame = {},
+                  .bounds = are_simple ? Aabb{} : motion_.pose_bounds(slot),
+                  .pose = &rows_[slot].pose};
+  };
+  Placed a = unplaced(piece.a);
+  Placed b = unplaced(piece.b);
   const auto at = [&](const Frame& frame_a, const Frame& frame_b) {
-    const auto placed_by = [&](std::uint32_t slot, const Frame& frame) {
-      return Placed{.info = rows_.info(slot), .frame = frame, .bounds = rows_.bounds(slot), .pose = &rows_[slot].pose};
-    };
-    return placing_error_m(placed_by(piece.a, frame_a), a_triangle, placed_by(piece.b, frame_b), b_triangle);
+    a.frame = frame_a;
+    b.frame = frame_b;
+    return placing_error_m(a, a_triangle, b, b_triangle);
   };
   const double motion_m =
       piece.a_motion.error_m(rows_[piece.a].reach_m) + piece.b_motion.error_m(rows_[piece.b].reach_m);

@@ -157,8 +157,9 @@ double Decisions::placing_error_of(const FoundContact& found) {
   const std::uint32_t a = slot_of(found.a);
   const std::uint32_t b = slot_of(found.b);
   const PlacedBoxPair boxes = lists_.boxes.pair(rows_, a, b);
-  return boxes.are_boxes() ? placing_error_m(*boxes.a, *boxes.b)
-                           : placing_error_m(placed(a), found.a_triangle, placed(b), found.b_triangle);
+  if (boxes.are_boxes()) return placing_error_m(*boxes.a, *boxes.b);
+  const bool with_bounds = !are_balls_or_boxes(a, b);
+  return placing_error_m(placed(a, with_bounds), found.a_triangle, placed(b, with_bounds), found.b_triangle);
 }
 
 /// The pair was found neither to touch nor to be apart, at the step's end or on the way there.

@@ -178,11 +178,18 @@ class Decisions {
     return std::max(rows_.id(first), rows_.id(second));
   }
   bool is_bare_mesh(std::uint32_t slot) const { return engine::is_bare_mesh(*rows_.info(slot)); }
-  Placed placed(std::uint32_t slot) const {
+  Placed placed(std::uint32_t slot, bool with_bounds = true) const {
     return {.info = rows_.info(slot),
             .frame = rows_[slot].frame(),
-            .bounds = rows_.bounds(slot),
+            .bounds = with_bounds ? motion_.pose_bounds(slot) : Aabb{},
             .pose = &rows_[slot].pose};
+  }
+  /// Each is one ball or one box: testing them asks nothing of their bounds, and takes no longer than to work these out.
+  bool are_balls_or_boxes(std::uint32_t first, std::uint32_t second) const {
+    const auto is_one = [&](std::uint32_t slot) {
+      return rows_[slot].is_lone_sphere() || lone_box(*rows_.info(slot)) != nullptr;
+    };
+    return is_one(first) && is_one(second);
   }
   /// A number for the scene where SeparationCache takes a slot; counts down from the highest.
   static std::uint32_t partner_of(std::size_t scene) { return kNoTriangle - static_cast<std::uint32_t>(scene); }

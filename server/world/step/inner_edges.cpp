@@ -64,9 +64,9 @@ struct Corrected {
 
 class Correction {
  public:
-  Correction(const ObjectRows& rows, const std::vector<std::shared_ptr<const StaticScene>>& scenes,
-             ContactLedger& ledger)
-      : rows_(rows), scenes_(scenes), ledger_(ledger) {}
+  Correction(const ObjectRows& rows, const StepMotion& motion,
+             const std::vector<std::shared_ptr<const StaticScene>>& scenes, ContactLedger& ledger)
+      : rows_(rows), motion_(motion), scenes_(scenes), ledger_(ledger) {}
 
   void run() {
     corrected_.clear();
@@ -223,7 +223,7 @@ class Correction {
   double rounding_m(ObjectId id) const {
     const ObjectInfo& own = info(id);
     if (own.scene_part != kNoScenePart) return 0;
-    const Aabb& bounds = rows_.bounds(slot_of(id));
+    const Aabb bounds = motion_.pose_bounds(slot_of(id));
     const Vec3 size = bounds.high - bounds.low;
     const double slack_m = placement_slack(rows_[slot_of(id)].pose.position, 0, size.lpNorm<1>());
     return std::isfinite(slack_m) ? slack_m : 0;
@@ -278,6 +278,7 @@ class Correction {
   }
 
   const ObjectRows& rows_;
+  const StepMotion& motion_;
   const std::vector<std::shared_ptr<const StaticScene>>& scenes_;
   ContactLedger& ledger_;
   // Reused from step to step.
@@ -294,9 +295,9 @@ thread_local std::vector<Corrected> Correction::corrected_;
 
 }  // namespace
 
-void correct_inner_edges(const ObjectRows& rows, const std::vector<std::shared_ptr<const StaticScene>>& scenes,
-                         ContactLedger& ledger) {
-  Correction(rows, scenes, ledger).run();
+void correct_inner_edges(const ObjectRows& rows, const StepMotion& motion,
+                         const std::vector<std::shared_ptr<const StaticScene>>& scenes, ContactLedger& ledger) {
+  Correction(rows, motion, scenes, ledger).run();
 }
 
 }  // namespace collided::engine

@@ -47,7 +47,8 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   }
   ContactSearch touch;
   touch.wanted = step_.step_options.contacts;
-  const bool are_near = overlaps(rows_.bounds(first), rows_.bounds(second));
+  const bool are_near =
+      are_balls_or_boxes(first, second) || overlaps(motion_.pose_bounds(first), motion_.pose_bounds(second));
   Contained contained = Contained::none;
   // Nothing lies within a box, as within the solid that a mesh encloses.
   if (!boxes.are_boxes() || (are_near && !search_placed(boxes, touch)))
@@ -93,8 +94,9 @@ bool Decisions::stay_apart(std::uint32_t first, std::uint32_t second) const {
 /// Searches two objects of any kind where they are at the end of the step.
 Contained Decisions::search_placing(std::uint32_t first, std::uint32_t second, bool are_near, ContactSearch& touch) {
   if (!are_near && !rows_.info(first)->rare->solid && !rows_.info(second)->rare->solid) return Contained::none;
-  const Placed a = placed(first);
-  const Placed b = placed(second);
+  const bool with_bounds = !are_balls_or_boxes(first, second);
+  const Placed a = placed(first, with_bounds);
+  const Placed b = placed(second, with_bounds);
   if (are_near) search_objects(a, b, touch, walk_);
   return look_within(a, b, touch);
 }
@@ -152,7 +154,7 @@ std::optional<SweptContact> Decisions::sweep_sphere(std::uint32_t mover, std::ui
                     .width = step_.options.sweep_width,
                     .contacts = with_contact};
   if (other_moved) sweep.mover.start += rows_[other].pose.position - rows_[other].pose_before.position;
-  sweep_object(sweep, placed(other), walk_);
+  sweep_object(sweep, placed(other, false), walk_);
   return sweep.found;
 }
 

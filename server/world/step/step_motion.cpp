@@ -51,13 +51,14 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
   widened_.assign(rows_.moved().begin(), rows_.moved().end());
   for (const std::uint32_t slot : rows_.moved()) {
     const std::optional<MovingSphere> path = sphere_motion(slot);
-    take_motion(slot, path);
+    const Aabb at_end = rows_.bounds(slot);
+    take_motion(slot, path, at_end);
     set_ball(slot, path);
     count_motion(slot, apart);
     if (rows_.info(slot) == nullptr || rows_.is_new(slot)) history_.forget(slot);
     if (sources.need_common_time() && rows_.is_new(slot)) young_.push_back(slot);
     if (sources.need_common_time() && rows_.is_posed(slot) && rows_.info(slot) != nullptr)
-      history_.add(slot, segment_of(rows_, slot, sources[rows_.source(slot)]));
+      history_.add(slot, segment_of(rows_, slot, sources[rows_.source(slot)], at_end));
   }
   if (sources.is_any_over_floor_again()) begin_anew(sources);
   for (const std::uint32_t slot : young_) open_[slot] = 1;
@@ -75,10 +76,10 @@ void StepMotion::note_changed(const std::vector<std::uint32_t>& slots) {
 }
 
 /// Sets the bounds of an object's motion, and whether it is to be swept.
-void StepMotion::take_motion(std::uint32_t slot, const std::optional<MovingSphere>& path) {
+void StepMotion::take_motion(std::uint32_t slot, const std::optional<MovingSphere>& path, const Aabb& at_end) {
   const ObjectRow& row = rows_[slot];
   swept_[slot] = 0;
-  bounds_[slot] = rows_.bounds(slot);
+  bounds_[slot] = at_end;
   if (path) bounds_[slot].extend(engine::bounds(Sphere{path->start, path->radius_m}));
   if (rows_.motion(slot) != Motion::moved || row.is_lone_sphere()) return;
   // Of two equal rotations it does not matter which they are.
@@ -87,7 +88,7 @@ void StepMotion::take_motion(std::uint32_t slot, const std::optional<MovingSpher
   if (before.rotation != now.rotation) swept_[slot] = kMoves | kTurns;
   else if (before.position != now.position) swept_[slot] = kMoves;
   else return;
-  bounds_[slot] = quick_bounds(*rows_.info(slot), before, now, rows_.bounds(slot), row.reach_m);
+  bounds_[slot] = quick_bounds(*rows_.info(slot), before, now, at_end, row.reach_m);
 }
 
 /// Objects whose source fell behind the floor are tested against all sources again.
@@ -107,14 +108,11 @@ void StepMotion::end_step(std::int64_t floor_ns) {
   history_.forget_up_to(floor_ns);
 }
 
-MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Source& source) {
+MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Source& source, const Aabb& at_end) {
   const ObjectRow& row = rows[slot];
   const MotionTimes times = motion_times(row, rows.is_new(slot), &source);
-  MotionSegment segment{.from_ns = times.from_ns,
-                        .to_ns = times.to_ns,
-                        .from = row.frame_before(),
-                        .to = row.frame(),
-                        .bounds = rows.bounds(slot)};
+  MotionSegment segment{
+      .from_ns = times.from_ns, .to_ns = times.to_ns, .from = row.frame_before(), .to = row.frame(), .bounds = at_end};
   if (!segment.is_jump()) {
     const BodyMotion path = motion_between(rows.lone_sphere(slot), segment.from, segment.to);
     segment.from = path.from;

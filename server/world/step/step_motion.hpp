@@ -36,7 +36,8 @@ BodyMotion motion_between(const std::optional<Sphere>& lone_sphere, const Frame&
 /// The motion by which an object got its newest pose.
 ///
 /// source  whose time it has
-MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Source& source);
+/// at_end  its bounds at that pose
+MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Source& source, const Aabb& at_end);
 
 /// The motion phase of a step: how each object moves from its previous pose to its new one.
 /// threads  the writer's only
@@ -51,6 +52,14 @@ class StepMotion {
   void end_step(std::int64_t floor_ns);
 
   std::span<const Aabb> bounds() const { return bounds_; }
+  /// What rows.bounds() gives, which need not be worked out for what rests.
+  Aabb pose_bounds(std::uint32_t slot) const { return holds_more(slot) ? rows_.bounds(slot) : bounds_[slot]; }
+  /// Prefetches what pose_bounds() reads of what rests. Always inline: the compiler leaves out calls of what only prefetches.
+  [[gnu::always_inline]] void prefetch_bounds(std::uint32_t slot) const {
+    const auto* bounds = reinterpret_cast<const char*>(bounds_.data() + slot);
+    __builtin_prefetch(bounds);
+    __builtin_prefetch(bounds + sizeof(Aabb) - 1);
+  }
   /// Slots whose bounds changed since the last note_indexed(); may contain one twice.
   const std::vector<std::uint32_t>& changed() const { return changed_; }
   /// The bounds are in the index.
@@ -78,8 +87,10 @@ class StepMotion {
   enum Sweep : std::uint8_t { kMoves = 1, kTurns = 2 };
   inline static const BallMotion kNoBall;
 
+  /// Its bounds may hold more than its pose.
+  bool holds_more(std::uint32_t slot) const { return rows_.motion(slot) == Motion::moved || is_open(slot); }
   void note_changed(const std::vector<std::uint32_t>& slots);
-  void take_motion(std::uint32_t slot, const std::optional<MovingSphere>& path);
+  void take_motion(std::uint32_t slot, const std::optional<MovingSphere>& path, const Aabb& at_end);
   void set_ball(std::uint32_t slot, const std::optional<MovingSphere>& motion);
   void begin_anew(const Sources& sources);
   void count_motion(std::uint32_t slot, SeparationCache& apart) const;

@@ -77,7 +77,7 @@ TEST_P(CrowdLeaves, TheRowsAfterTheLastObjectAreGivenBack) {
   for (int i = 4; i < kCount; ++i) crowded.go("one " + std::to_string(i));
   for (int i = 0; i < 3; ++i) crowded.step();
   EXPECT_EQ(crowded.world.newest()->poses.size(), 4u);
-  EXPECT_LE(crowded.world.newest()->bounds.capacity(), 4'096u);
+  EXPECT_LE(crowded.world.newest()->poses.capacity(), 4'096u);
   EXPECT_FALSE(crowded.world.find("one 4"));
   // A newcomer takes a low slot, under a new id.
   crowded.come("newcomer", place(20));

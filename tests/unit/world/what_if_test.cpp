@@ -37,7 +37,6 @@ class WhatIfTest : public testing::Test {
     for (std::size_t i = 0; i < ids.size(); ++i) {
       const std::uint32_t slot = slot_of(ids[i]);
       there.poses[slot] = poses[i];
-      there.bounds[slot] = bounds_of(*(*there.objects)[slot], there.frame(slot));
     }
     return there;
   }
