@@ -48,7 +48,7 @@ TEST(SharedParticipant, OneProcessUsesOneInterfaceAndOneListOfPeers) {
   others.peers = {"10.0.0.2"};
   EXPECT_EQ(refusal(others, Role::client), said);
   ConnectOptions another_domain = elsewhere;
-  another_domain.domain = this_domain().domain + 100;
+  another_domain.domain = this_domain().domain - 100;
   another_domain.interface = this_domain().interface;
   EXPECT_NE(join_domain(another_domain), first);
 }
