@@ -80,11 +80,14 @@ TEST_F(FleetVerb, DifferentVersionsAndClocksAreWarnings) {
   const Ran versions = with_second([](FleetMember& b) { b.version_text = "0.3.0"; });
   EXPECT_EQ(versions.code, 0);
   EXPECT_EQ(versions.err, "warning: different versions: 'a' is 0.2.0; 'b' is 0.3.0\n");
-  const Ran clocks = with_second([](FleetMember& b) { b.clock_ahead = 1'200ms; });
-  EXPECT_EQ(clocks.code, 0);
-  EXPECT_EQ(clocks.err,
-            "warning: clocks apart: that of 'b' (pid 4711 on hall) is 1.2 s ahead of that of 'a' (pid 4711 on hall)\n");
-  EXPECT_EQ(with_second([](FleetMember& b) { b.clock_ahead = -19ms; }).err, "");
+  const auto clock_of = [&](const char* machine, std::chrono::nanoseconds ahead) {
+    return with_second([&](FleetMember& b) { b.host = machine, b.clock_ahead = ahead; });
+  };
+  EXPECT_EQ(clock_of("yard", 1'200ms).code, 0);
+  EXPECT_EQ(clock_of("yard", 1'200ms).err,
+            "warning: clocks apart: that of 'b' (pid 4711 on yard) is 1.2 s ahead of that of 'a' (pid 4711 on hall)\n");
+  EXPECT_EQ(clock_of("yard", -19ms).err, "");
+  EXPECT_EQ(clock_of("hall", -1'200ms).err, "") << "one machine has one clock";
 }
 
 TEST_F(FleetVerb, DifferentScenesAndWorldsAreFailures) {

@@ -1,6 +1,8 @@
 #include <algorithm>
+#include <map>
 #include <set>
 #include <string>
+#include <string_view>
 
 #include "client/library/connection/errors.hpp"
 #include "collided/fleet.hpp"
@@ -84,11 +86,21 @@ void find_worlds(const std::vector<FleetMember>& members, std::vector<Finding>& 
   }
 }
 
+/// Servers on one machine have one clock: what they seem to be apart is how long their messages took, and the least counts.
 void find_clocks(const std::vector<FleetMember>& members, std::vector<Finding>& findings) {
   constexpr nanoseconds kNoticed = milliseconds(20);
-  const auto by_clock = [](const FleetMember& a, const FleetMember& b) { return a.clock_ahead < b.clock_ahead; };
-  const auto [behind, ahead] = std::ranges::minmax_element(members, by_clock);
-  if (members.empty() || ahead->clock_ahead - behind->clock_ahead < kNoticed) return;
+  std::map<std::string_view, const FleetMember*> of_machine;
+  for (const FleetMember& member : members) {
+    const FleetMember*& quickest = of_machine[member.host];
+    if (quickest == nullptr || quickest->clock_ahead < member.clock_ahead) quickest = &member;
+  }
+  const FleetMember* behind = nullptr;
+  const FleetMember* ahead = nullptr;
+  for (const auto& [machine, member] : of_machine) {
+    if (behind == nullptr || member->clock_ahead < behind->clock_ahead) behind = member;
+    if (ahead == nullptr || member->clock_ahead > ahead->clock_ahead) ahead = member;
+  }
+  if (ahead == nullptr || ahead->clock_ahead - behind->clock_ahead < kNoticed) return;
   findings.push_back({Health::warn, "clocks",
                       "clocks apart: that of " + who(*ahead) + " is " +
                           words(ahead->clock_ahead - behind->clock_ahead) + " ahead of that of " + who(*behind),

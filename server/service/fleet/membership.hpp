@@ -37,6 +37,7 @@ struct OtherMember {
   wire_contract::MemberRole role = wire_contract::MemberRole::primary;
   wire_contract::ServerState state = wire_contract::ServerState::starting;
   std::string name;
+  std::string host;
   std::string version;
   std::uint64_t scene_fingerprint = 0;
   InstantDigest digest;

@@ -90,7 +90,7 @@ void ask_inside(Question& question, const double* n) {
   }
   if (question.snapshot.grid && !search.ended()) {
     const auto candidate = [&](std::uint32_t slot) {
-      const Placed object = question.placed(slot);
+      const Placed object = question.placed_without_bounds(slot);
       const bool is_solid = !object.info->primitives.empty() || object.info->rare->solid || object.info->rare->winding;
       if (is_solid && question.allows(object.info->id)) search.search(object);
       return !search.ended();

@@ -89,7 +89,7 @@ void ask_overlap(Question& question, const Asked& asked, const GivenPart& given,
     ContactSearch touch;
     touch.wanted = !any;
     touch.deadline = &question.deadline;
-    const Placed object = question.placed(slot);
+    const Placed object = question.placed_without_bounds(slot);
     search_object(primitive, given, object, touch, question.walk);
     if (touch.yes && touch.wanted)
       touch.contact.depth_error_m += placing_error_m(object, touch.b_triangle, bounds(asked));
