@@ -56,18 +56,19 @@ std::optional<Refusal> World::attach(ObjectId child, ObjectId parent, const std:
                      .child_name = info->name,
                      .parent_name = of_parent->name,
                      .in_parent = relative});
-  s.join_parent(child, parent, in_parent.has_value());
+  s.join_parent(child, parent);
   return std::nullopt;
 }
 
-/// The object has its parent's time and doubts from now on. is_placed: it is put where the parent has it.
-void World::State::join_parent(ObjectId child, ObjectId parent, bool is_placed) {
+/// The object has its parent's time and doubts from now on, and is where the parent has it. That may be a rounding beside
+/// where it was: then its place follows from the parent's on each server alike, whenever they learn of the two.
+void World::State::join_parent(ObjectId child, ObjectId parent) {
   const Source& source = sources[rows.source(slot_of(parent))];
   give_time_of(source.publisher, child);
-  if (is_placed) {
-    const Pose pose = composed(rows[slot_of(parent)].pose, attachments.find(child)->in_parent);
+  const Pose pose = composed(rows[slot_of(parent)].pose, attachments.find(child)->in_parent);
+  const Pose& now = rows[slot_of(child)].pose;
+  if (pose.position != now.position || pose.rotation.coeffs() != now.rotation.coeffs())
     move(child, pose, sources[rows.source(slot_of(child))].known_ns, true, false);
-  }
   set_stale(child, rows[slot_of(parent)].is_stale);
 }
 
@@ -97,7 +98,7 @@ void World::State::settle_attachments() {
       ++i;
     } else if (child != 0 && parent != 0 && rows.find(child)->publisher == 0) {
       attachments.replace(i++, child, parent);
-      join_parent(child, parent, true);
+      join_parent(child, parent);
     } else {
       attachments.remove(was.child);
       if (child == was.child) set_stale(child, false), give_time_of(0, child);

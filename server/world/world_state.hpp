@@ -73,7 +73,7 @@ struct World::State {
   void set_stale(ObjectId id, bool is_stale);
   void carry(ObjectId parent, const Pose& pose, std::int64_t time_ns, bool teleport, bool is_streamed);
   void give_time_of(std::uint64_t publisher, ObjectId id);
-  void join_parent(ObjectId child, ObjectId parent, bool is_placed);
+  void join_parent(ObjectId child, ObjectId parent);
   void settle_attachments();
   void gather_covers();
 };

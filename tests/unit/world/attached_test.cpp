@@ -3,6 +3,7 @@
 
 #include <cmath>
 #include <map>
+#include <random>
 
 #include "server/world/world.hpp"
 #include "tests/oracle/seed.hpp"
@@ -103,6 +104,30 @@ TEST_F(AttachedObjects, TheChildKeepsItsPlaceRelativeToItsParent) {
   here.world.move(hand, {}, here.now_ns, true);
   here.step();
   EXPECT_LT((here.pose(crate).position - before.position).norm(), 1e-13);
+}
+
+// Else a server that learns of the parent, the child and the place afterwards would have another world, by a rounding.
+TEST_F(AttachedObjects, WhereTheChildIsFollowsFromItsParentFromTheBeginning) {
+  std::mt19937_64 random = oracle::seeded(20261129);
+  std::uniform_real_distribution<double> part(-20, 20);
+  int rounded = 0;
+  for (int i = 0; i < 100; ++i) {
+    Here one;
+    const ObjectId parent = one.add("parent", Vec3(part(random), part(random), part(random)), kRobot);
+    const ObjectId child = one.add("child", Vec3(part(random), part(random), part(random)));
+    one.world.advance(kRobot, one.now_ns);
+    one.step();
+    const Vec3 before = one.world.newest()->poses[slot_of(child)].position;
+    ASSERT_FALSE(one.world.attach(child, parent));
+    one.step();
+    const SnapshotRing::Lease state = one.world.newest();
+    const Pose placed = composed(state->poses[slot_of(parent)], one.world.attachments().find(child)->in_parent);
+    EXPECT_EQ(state->poses[slot_of(child)].position, placed.position);
+    EXPECT_EQ(state->poses[slot_of(child)].rotation.coeffs(), placed.rotation.coeffs());
+    EXPECT_LT((placed.position - before).norm(), 1e-13);
+    rounded += placed.position != before ? 1 : 0;
+  }
+  EXPECT_GT(rounded, 0) << "the test is to see some";
 }
 
 TEST_F(AttachedObjects, WhatCannotBeAttachedIsRefusedWithTheReason) {
