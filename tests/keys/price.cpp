@@ -1,6 +1,7 @@
 // What keys cost: joining, a question's way there and back, and poses a second, for each kind of protection beside a
 // server without keys. All in turns in one run, so that what disturbs the machine disturbs all.
-// usage: price COLLIDED DOMAIN ROUNDS     exit 1 where joining with keys takes 500 ms or more, each time
+// usage: price COLLIDED DOMAIN ROUNDS     exit 1 where joining with keys takes 500 ms or more (the median of several rounds, the
+// quickest of a single one)
 #include <algorithm>
 #include <array>
 #include <chrono>
@@ -133,8 +134,8 @@ int measure(const std::string& collided, int domain, int rounds) {
     std::printf("%-8s  %6.0f ms  %7.1f us %4.2fx  %6.2f M/s %4.2fx\n", level->name, join_ms,
                 median(level->round_trip_us), median(level->round_trip_us) / median(levels[0]->round_trip_us),
                 median(level->poses_per_s) / 1e6, median(level->poses_per_s) / median(levels[0]->poses_per_s));
-    // Other programs make it slower and never faster.
-    is_slow = is_slow || std::ranges::min(level->join_ms) >= 500;
+    // Other programs make it slower and never faster; in one round all of it may fall into a slow moment.
+    is_slow = is_slow || (rounds > 1 ? join_ms : std::ranges::min(level->join_ms)) >= 500;
   }
   return is_slow ? 1 : 0;
 }

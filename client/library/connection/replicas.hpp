@@ -18,7 +18,8 @@ namespace collided::client {
 class Connection;
 
 /// The replicas of a connection's server, and who is asked next: whoever has the fewest of this client's questions; of
-/// several with as few one on this machine, and in turn. Until DDS shows that other servers are there, this costs nothing: no thread, no topic.
+/// several with as few one on this machine, and in turn. Until DDS shows that other servers are there, this costs nothing:
+/// no thread, no topic.
 ///
 /// threads  any
 class Replicas {
