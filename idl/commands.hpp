@@ -56,8 +56,9 @@ inline constexpr const char* kList = "list";
 /// age_ns, contacts [names], in_doubt [names], name_wanted_by [publishers]; the last two only where there are any
 inline constexpr const char* kGet = "get";
 
-/// publisher (its number) -> objects [{name, why}] (at most 20 that it has defined and the world does not have),
-/// version
+/// publisher (its number) -> objects [{name, why}] (at most 20 that it has defined and the world does not have), count (of
+/// all of those), merged (poses replaced by newer ones of the same object while the server had too many), refused (why the
+/// server takes nothing of this publisher; missing: it does), version
 inline constexpr const char* kLeftOut = "left_out";
 
 /// watch (a number of its own), map (fingerprint of the newest shard map all of whose shards it watches); of a watch of several
@@ -271,6 +272,13 @@ inline constexpr const char* kMore = "more";
 
 /// -> Poses of all moving objects, up to 400,000
 inline constexpr const char* kPoses = "poses";
+
+/// True if answers of the command may be FlatBuffers or pieces of a file, in which brackets mean nothing.
+inline bool may_answer_bytes(std::string_view name) {
+  for (const std::string_view one : {kRecording, kShapes, kSurface, kMore, kPoses})
+    if (name == one) return true;
+  return false;
+}
 
 /// The right that a command needs.
 ///

@@ -1,16 +1,21 @@
-// A library of its own, loaded by Cyclone and by ProvenPeers, which says what for: Cyclone knows its plugins by the names
-// of files.
+// Stands in front of Cyclone's own authentication in every program that has keys. Cyclone loads its plugins from files:
+// a server loads this as collided-handshake.so, and the client library holds it, so that it loads itself. ProvenPeers says
+// what it is for in a server. In any program it keeps strangers from ending or blocking it (dds_builtin_guard.h).
 #include <dds/dds.h>
 #include <dds/security/dds_security_api_authentication.h>
 #include <dlfcn.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
 #include <cstring>
 #include <map>
 #include <mutex>
+#include <set>
 #include <string_view>
 #include <vector>
 
+#include "idl/dds_builtin_guard.h"
 #include "idl/dds_proven_peers.hpp"
 #include "idl/dds_security.hpp"
 #include "idl/keys/key_folder.hpp"
@@ -31,13 +36,32 @@ struct Remote {
   std::string serial = {};
 };
 
-/// One for the process: a server has one participant.
+using std::chrono::steady_clock;
+
+/// Each unproven participant costs a handshake, and as many can be made up as there are GUIDs. So few are met at a time.
+/// A participant without a proven identity by then makes room for the next, but not earlier: the handshakes of many programs
+/// that start together would push each other out forever.
+constexpr std::size_t kMostUnproven = 256;
+constexpr std::chrono::seconds kTimeToProve{10};
+
+/// A domain in which participants are met.
+struct Domain {
+  struct ddsi_domaingv* cyclone = nullptr;
+  std::array<std::uint8_t, 16> own_guid{};
+  bool has_participant = false;
+  std::map<GuidPrefix, steady_clock::time_point> unproven;  // since when
+  std::set<GuidPrefix> proven;
+};
+
+/// One for the process.
 struct MetPeers {
   std::mutex mutex;
+  std::map<Plugin*, Domain> domains;
   std::map<DDS_Security_IdentityHandle, Remote> remotes;
   std::map<DDS_Security_HandshakeHandle, DDS_Security_IdentityHandle> remote_of_handshake;
   std::set<std::string> revoked;
   std::uint64_t refused = 0;
+  std::uint64_t turned_away = 0;
   Plugin original{};  // the same functions for every instance
   EndPlugin end_original = nullptr;
   const dds_security_authentication_listener* listener = nullptr;
@@ -47,6 +71,54 @@ MetPeers& meetings() {
   return only;
 }
 
+DDS_Security_ValidationResult_t validate_local_identity(Plugin* plugin, DDS_Security_IdentityHandle* local,
+                                                        DDS_Security_GUID_t* adjusted,
+                                                        const DDS_Security_DomainId domain_id,
+                                                        const DDS_Security_Qos* qos,
+                                                        const DDS_Security_GUID_t* candidate,
+                                                        DDS_Security_SecurityException* ex) {
+  MetPeers& all = meetings();
+  const auto result = all.original.validate_local_identity(plugin, local, adjusted, domain_id, qos, candidate, ex);
+  if (result != DDS_SECURITY_VALIDATION_OK) return result;
+  const std::lock_guard lock(all.mutex);
+  Domain& domain = all.domains[plugin];
+  static_assert(sizeof *adjusted == sizeof domain.own_guid);
+  std::memcpy(domain.own_guid.data(), adjusted, sizeof domain.own_guid);
+  domain.has_participant = true;
+  return result;
+}
+
+/// Whether to meet a participant whose announcement has come (dds_builtin_guard.h). A proven one no longer counts.
+bool judge_participant(struct ddsi_domaingv* cyclone, const std::uint8_t* beginning, std::uint8_t* own_guid) {
+  MetPeers& all = meetings();
+  GuidPrefix prefix;
+  std::copy_n(beginning, prefix.size(), prefix.begin());
+  std::optional<GuidPrefix> dropped;
+  {
+    const std::lock_guard lock(all.mutex);
+    const auto found =
+        std::ranges::find_if(all.domains, [&](const auto& one) { return one.second.cyclone == cyclone; });
+    if (found == all.domains.end() || !found->second.has_participant) return true;
+    Domain& domain = found->second;
+    if (domain.proven.contains(prefix) || domain.unproven.contains(prefix)) return true;
+    const auto now = steady_clock::now();
+    if (domain.unproven.size() >= kMostUnproven) {
+      const auto oldest = std::ranges::min_element(domain.unproven, {}, [](const auto& one) { return one.second; });
+      if (now - oldest->second < kTimeToProve) {
+        ++all.turned_away;
+        std::ranges::copy(domain.own_guid, own_guid);
+        return false;
+      }
+      dropped = oldest->first;
+      domain.unproven.erase(oldest);
+    }
+    domain.unproven.emplace(prefix, now);
+  }
+  // Outside of the lock: Cyclone gives its handles back meanwhile.
+  if (dropped) collided_drop_participant(cyclone, dropped->data());
+  return true;
+}
+
 DDS_Security_ValidationResult_t validate_remote_identity(
     Plugin* plugin, DDS_Security_IdentityHandle* remote, DDS_Security_AuthRequestMessageToken* request,
     const DDS_Security_AuthRequestMessageToken* remote_request, const DDS_Security_IdentityHandle local,
@@ -54,6 +126,8 @@ DDS_Security_ValidationResult_t validate_remote_identity(
   MetPeers& all = meetings();
   const auto result =
       all.original.validate_remote_identity(plugin, remote, request, remote_request, local, token, guid, ex);
+  // Cyclone takes the length of this text a second later, also where it has asked for the handshake to fail.
+  if (request->class_id == nullptr) request->class_id = dds_string_dup("");
   if (result == DDS_SECURITY_VALIDATION_FAILED) return result;
   const std::lock_guard lock(all.mutex);
   Remote& met = all.remotes[*remote];
@@ -117,6 +191,11 @@ std::string judge(MetPeers& all, DDS_Security_HandshakeHandle handshake, const P
       found->second.serial = facts.serial;
     } catch (const keys::KeyError& wrong) { refusal = wrong.what(); }
     found->second.is_proven = refusal.empty();
+    if (found->second.is_proven) {
+      Domain& domain = all.domains[found->second.plugin];
+      domain.unproven.erase(found->second.prefix);
+      domain.proven.insert(found->second.prefix);
+    }
   }
   if (!refusal.empty()) ++all.refused;
   return refusal;
@@ -150,7 +229,11 @@ DDS_Security_boolean return_identity(Plugin* plugin, const DDS_Security_Identity
                                      DDS_Security_SecurityException* ex) {
   {
     const std::lock_guard lock(meetings().mutex);
-    meetings().remotes.erase(identity);
+    const auto found = meetings().remotes.find(identity);
+    if (found != meetings().remotes.end()) {
+      meetings().domains[plugin].proven.erase(found->second.prefix);
+      meetings().remotes.erase(found);
+    }
   }
   return meetings().original.return_identity_handle(plugin, identity, ex);
 }
@@ -164,6 +247,13 @@ DDS_Security_boolean return_handshake(Plugin* plugin, const DDS_Security_Handsha
   return meetings().original.return_handshake_handle(plugin, handshake, ex);
 }
 
+/// Cyclone closes its plugins before the domain whose packets our functions read.
+bool stay_loaded() {
+  Dl_info self{};
+  return dladdr(reinterpret_cast<const void*>(&stay_loaded), &self) != 0 &&
+         dlopen(self.dli_fname, RTLD_NOW | RTLD_NOLOAD | RTLD_NODELETE) != nullptr;
+}
+
 }  // namespace
 }  // namespace collided::dds
 
@@ -175,16 +265,22 @@ using collided::dds::meetings;
 int collided_handshake_begin(const char* argument, void** made, struct ddsi_domaingv* gv) {
   using namespace collided::dds;
   void* const library = dlopen(authentication_library().c_str(), RTLD_NOW);
-  if (library == nullptr) return 1;
+  if (library == nullptr || !stay_loaded()) return 1;
   const auto begin = reinterpret_cast<BeginPlugin>(dlsym(library, "init_authentication"));
   const auto end = reinterpret_cast<EndPlugin>(dlsym(library, "finalize_authentication"));
   if (begin == nullptr || end == nullptr || begin(argument, made, gv) != 0) return 1;
   auto* const plugin = static_cast<Plugin*>(*made);
   {
     const std::lock_guard lock(meetings().mutex);
+    if (!collided_guard_domain(gv, judge_participant)) {
+      end(plugin);
+      return 1;
+    }
+    meetings().domains[plugin].cyclone = gv;
     meetings().original = *plugin;
     meetings().end_original = end;
   }
+  plugin->validate_local_identity = validate_local_identity;
   plugin->validate_remote_identity = validate_remote_identity;
   plugin->begin_handshake_request = begin_request;
   plugin->begin_handshake_reply = begin_reply;
@@ -199,6 +295,7 @@ int collided_handshake_end(void* plugin) {
   {
     const std::lock_guard lock(meetings().mutex);
     std::erase_if(meetings().remotes, [&](const auto& one) { return one.second.plugin == plugin; });
+    std::erase_if(meetings().domains, [&](const auto& one) { return one.first == plugin; });
     meetings().listener = nullptr;
   }
   return meetings().end_original(plugin);
@@ -236,6 +333,11 @@ void collided_handshake_revoke(const std::set<std::string>& serials) {
 std::uint64_t collided_handshake_refused() {
   const std::lock_guard lock(meetings().mutex);
   return meetings().refused;
+}
+
+std::uint64_t collided_handshake_turned_away() {
+  const std::lock_guard lock(meetings().mutex);
+  return meetings().turned_away;
 }
 }
 #pragma GCC visibility pop

@@ -25,7 +25,8 @@ ProvenPeers::ProvenPeers(const std::string& library) {
   }
   find_ = symbol<Find>(loaded, "collided_handshake_find");
   revoke_ = symbol<Revoke>(loaded, "collided_handshake_revoke");
-  refused_ = symbol<Refused>(loaded, "collided_handshake_refused");
+  refused_ = symbol<Count>(loaded, "collided_handshake_refused");
+  turned_away_ = symbol<Count>(loaded, "collided_handshake_turned_away");
 }
 
 std::optional<ProvenPeer> ProvenPeers::find(const GuidPrefix& prefix) const {
@@ -37,5 +38,7 @@ std::optional<ProvenPeer> ProvenPeers::find(const GuidPrefix& prefix) const {
 void ProvenPeers::revoke(const std::set<std::string>& serials) const { revoke_(serials); }
 
 std::uint64_t ProvenPeers::refused() const { return refused_(); }
+
+std::uint64_t ProvenPeers::turned_away() const { return turned_away_(); }
 
 }  // namespace collided::dds

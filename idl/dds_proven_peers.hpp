@@ -34,14 +34,17 @@ class ProvenPeers {
   void revoke(const std::set<std::string>& serials) const;
   /// How many participants were refused, for whatever reason above.
   std::uint64_t refused() const;
+  /// How many announcements of participants were ignored, because too many others had not proven anything yet.
+  std::uint64_t turned_away() const;
 
  private:
   using Find = bool (*)(const GuidPrefix&, ProvenPeer&);
   using Revoke = void (*)(const std::set<std::string>&);
-  using Refused = std::uint64_t (*)();
+  using Count = std::uint64_t (*)();
   Find find_ = nullptr;
   Revoke revoke_ = nullptr;
-  Refused refused_ = nullptr;
+  Count refused_ = nullptr;
+  Count turned_away_ = nullptr;
 };
 
 }  // namespace collided::dds

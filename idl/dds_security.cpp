@@ -24,6 +24,18 @@ std::string plugin(const std::string& name) {
   return name;
 }
 
+/// The shared library that holds this code, if it also holds the functions of the handshake; else empty.
+std::string own_library() {
+  Dl_info self{};
+  if (dladdr(reinterpret_cast<const void*>(&own_library), &self) == 0 || self.dli_fname == nullptr) return {};
+  // The name as the loader knows it: a file cannot be found again by a relative path from another folder.
+  void* const loaded = dlopen(self.dli_fname, RTLD_NOW | RTLD_NOLOAD);
+  if (loaded == nullptr) return {};  // a program
+  const bool holds_handshake = dlsym(loaded, kHandshakeBegin) != nullptr;
+  dlclose(loaded);
+  return holds_handshake ? self.dli_fname : std::string();
+}
+
 /// What stands in XML in which Cyclone expands variables of the environment.
 const std::string& checked_path(const std::string& path) {
   for (const char c : path) {
@@ -49,10 +61,10 @@ std::string security_config(const std::string& keys, const std::string& handshak
   const auto file = [&](const char* element, const char* name) {
     return std::string("<") + element + ">file:" + folder + '/' + name + "</" + element + '>';
   };
+  const std::string first = handshake.empty() ? own_library() : handshake;
   return "<Security><Authentication>" +
-         (handshake.empty()
-              ? library_element(authentication_library(), "init_authentication", "finalize_authentication")
-              : library_element(handshake, kHandshakeBegin, kHandshakeEnd)) +
+         (first.empty() ? library_element(authentication_library(), "init_authentication", "finalize_authentication")
+                        : library_element(first, kHandshakeBegin, kHandshakeEnd)) +
          file("IdentityCertificate", keys::kCertificate) + file("IdentityCA", keys::kIdentityAuthority) +
          file("PrivateKey", keys::kPrivateKey) + file("CRL", keys::kRevoked) + "</Authentication><AccessControl>" +
          library_element(access_control_library(), "init_access_control", "finalize_access_control") +

@@ -7,7 +7,8 @@ namespace collided::dds {
 /// The element <Security> of Cyclone's configuration; empty where there are no keys.
 ///
 /// keys       folder of keys
-/// handshake  library that stands before Cyclone's own for authentication; empty: none
+/// handshake  library that stands before Cyclone's own for authentication; empty: the shared library that this function
+///            is in, if it has the functions (the client library), else none
 /// throws     DdsError where a path has a character that the configuration cannot hold
 std::string security_config(const std::string& keys, const std::string& handshake);
 

@@ -11,9 +11,20 @@
 /// arrival, since not every client is this library.
 namespace collided::wire_contract {
 
-/// point      finite
-/// direction  finite, and not 0 0 0
-/// size       finite, 0 or more
+/// The largest size of a coordinate or a length that comes in, metres: in a question, a pose, a shape, a file or a command.
+/// A few of them can be added before a double overflows, so that no distance between objects is infinite.
+inline constexpr double kMostCoordinate = 1e290;
+
+/// False for NaN and infinity.
+constexpr bool is_coordinate(double x) { return x <= kMostCoordinate && x >= -kMostCoordinate; }
+template <class Vector>
+bool are_coordinates(const Vector& v) {
+  return is_coordinate(v[0]) && is_coordinate(v[1]) && is_coordinate(v[2]);
+}
+
+/// point      coordinates
+/// direction  coordinates, and not 0 0 0
+/// size       a coordinate, 0 or more
 /// reach      0 or more; infinite: no end
 /// rotation   a unit quaternion w x y z
 enum class NumberRule : std::uint8_t { point, direction, size, reach, rotation };
@@ -50,18 +61,18 @@ inline constexpr NumberField kPoseFields[] = {{"position", 0, 3, NumberRule::poi
 /// numbers  the field's own
 [[gnu::always_inline]] constexpr bool is_kept(const NumberField& field, const double* numbers) {
   if (field.rule == NumberRule::rotation) return is_unit_quaternion(numbers[0], numbers[1], numbers[2], numbers[3]);
-  double nothing = 0;  // a finite number less itself is 0, any other is no number
+  bool are_coordinates = true;
   bool any_not_zero = false;
   bool none_negative = true;
   for (std::size_t i = 0; i < field.count; ++i) {
-    nothing += numbers[i] - numbers[i];
+    are_coordinates = are_coordinates && is_coordinate(numbers[i]);
     any_not_zero = any_not_zero || numbers[i] != 0;
     none_negative = none_negative && numbers[i] >= 0;
   }
   switch (field.rule) {
-    case NumberRule::point: return nothing == 0;
-    case NumberRule::direction: return nothing == 0 && any_not_zero;
-    case NumberRule::size: return nothing == 0 && none_negative;
+    case NumberRule::point: return are_coordinates;
+    case NumberRule::direction: return are_coordinates && any_not_zero;
+    case NumberRule::size: return are_coordinates && none_negative;
     case NumberRule::reach: return none_negative;
     default: return false;
   }

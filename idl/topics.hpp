@@ -87,9 +87,13 @@ enum class LostPolicy : std::uint8_t { remove, freeze, hold };
 /// In a Definition's lost_policy, beside the policy: the object has been elsewhere, and enters this world with the first
 /// instant of its publisher that follows the definition (definitions_through), as of the instant before that.
 inline constexpr std::uint8_t kEntersWithInstant = 0x80;
+/// In an event's doubts, beside the Doubt: the server had more poses than it could apply and replaced some of the object or
+/// the other one by newer ones, so that it went straight between those that are left.
+inline constexpr std::uint8_t kPosesMerged = 0x80;
 /// kTeleported: the objects are placed at their poses, not moved there.
 /// kAllSaid: the publisher has sent all its definitions again before this batch, with the poses that it sent last.
-/// kStreamed: the publisher's objects move between their own poses; without, one that an instant leaves out rested.
+/// kStreamed: the publisher's objects move between their own poses; without, one that an instant leaves out rested. In a
+/// batch without objects: the publisher lives, and says nothing about its objects.
 /// kMoreFollows: more batches of the same instant follow; all of them are applied with the last.
 /// kBringsObjects: objects of the publisher that are elsewhere may enter (kEntersWithInstant), so time waits for its instants
 /// while it has none here.
@@ -199,6 +203,15 @@ inline const char* name_of(QueryRight right) {
 /// A publisher that is silent for this long, where it offers no other lease, is lost (liveliness, MANUAL_BY_TOPIC on object
 /// and pose).
 inline constexpr std::int64_t kPublisherLeaseNs = 500'000'000;
+/// A publisher's gap, where it gives no other: between two poses that are no farther apart an object goes straight; beyond,
+/// it rested until one gap before the later pose. A source that speaks once a second may be half a second late; an object
+/// that rests and then dashes seems to leave too early by a gap at most.
+inline constexpr std::int64_t kDefaultGapNs = 1'500'000'000;
+/// The gaps that are allowed. No pair waits for a publisher that is 10 s behind.
+inline constexpr std::int64_t kLeastGapNs = 1'000'000;
+inline constexpr std::int64_t kMostGapNs = 8'000'000'000;
+/// In a Definition: no object but the publisher itself. `removed` is set, and position[0] is the gap in seconds.
+inline constexpr std::uint32_t kPublisherItself = 0xffffffff;
 /// From one status to the next.
 inline constexpr std::int64_t kStatusPeriodNs = 50'000'000;
 /// From one message of a member about itself to the next.

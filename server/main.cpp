@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 #include <malloc.h>
 #include <pthread.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <cerrno>
@@ -8,11 +9,13 @@
 #include <csignal>
 #include <cstdio>
 #include <cstdlib>
+#include <cstring>
 #include <exception>
 #include <string>
 #include <thread>
 #include <vector>
 
+#include "idl/terminal_text.hpp"
 #include "server/service/authority/election.hpp"
 #include "idl/shards/shard_map_store.hpp"
 #include "server/service/options/options.hpp"
@@ -20,6 +23,7 @@
 #include "server/service/questions/time_slice.hpp"
 #include "server/service/runtime/dds_warnings.hpp"
 #include "server/service/runtime/log.hpp"
+#include "server/service/runtime/out_of_memory.hpp"
 #include "server/service/runtime/supervisor.hpp"
 #include "server/service/server.hpp"
 #include "server/service/start_scenes.hpp"
@@ -75,11 +79,15 @@ void limit_stopping() {
 }
 
 int serve(const Options& options) {
+  // The files of the state folder hold the world and all that was asked. With keys that travels encrypted, so no other
+  // user of the machine may read it there.
+  ::umask(0077);
   const sigset_t signals = block_signals();
   // One pool for all threads: what one takes and another gives back would leave holes in each one's own. What is asked
   // often takes no memory, so nobody queues for it.
   mallopt(M_ARENA_MAX, 1);
   limit_stacks();
+  report_aborts();
   set_time_slice(kShortSlice);
   const std::shared_ptr<spdlog::logger> log = make_log(options.log_level, options.log_json);
   const DdsWarnings dds_warnings(log);
@@ -99,6 +107,17 @@ int serve(const Options& options) {
   return server.has_given_way() ? kGivenWay : 0;
 }
 
+/// Prints each scene file that cannot be read. Returns the exit code of --check-config.
+int check_scenes(const Options& options) {
+  int code = 0;
+  for (const std::string& scene : options.scenes) {
+    if (access(scene.c_str(), R_OK) == 0) continue;
+    fmt::print(stderr, "error: scene '{}': {}\n", scene, std::strerror(errno));
+    code = 2;
+  }
+  return code;
+}
+
 int run(const std::vector<std::string>& arguments) {
   ParsedOptions parsed = parse_options(arguments, [](const char* name) { return std::getenv(name); });
   Options& options = parsed.options;
@@ -107,9 +126,15 @@ int run(const std::vector<std::string>& arguments) {
     return 0;
   }
   if (options.print_config) fmt::print("{}", print_config(parsed));
-  if (options.print_config || options.check_config) return 0;
+  if (options.check_config) return check_scenes(options);
+  if (options.print_config) return 0;
   find_shard(options);
   return options.once ? run_once(options) : serve(options);
+}
+
+/// The message may quote files, etcd and other servers.
+void print_error(const std::exception& failed) {
+  fmt::print(stderr, "error: {}\n", collided::wire_contract::terminal_text(failed.what()));
 }
 
 }  // namespace
@@ -118,13 +143,13 @@ int main(int count, char** values) {
   try {
     return run({values + 1, values + count});
   } catch (const NotElected& failed) {
-    fmt::print(stderr, "error: {}\n", failed.what());
+    print_error(failed);
     return kGivenWay;
   } catch (const collided::shards::MapStoreAway& failed) {
-    fmt::print(stderr, "error: {}\n", failed.what());
+    print_error(failed);
     return kGivenWay;
   } catch (const std::exception& failed) {
-    fmt::print(stderr, "error: {}\n", failed.what());
+    print_error(failed);
     return 2;
   }
 }

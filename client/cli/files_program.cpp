@@ -15,6 +15,7 @@
 
 #include "client/cli/failure.hpp"
 #include "client/cli/sibling_program.hpp"
+#include "idl/terminal_text.hpp"
 
 namespace collided::cli {
 namespace {
@@ -93,7 +94,7 @@ std::string files_program_output(const Io& io, std::vector<std::string> words) {
     messages.erase(std::min(messages.find('\n'), messages.size()));
     throw bad_use(messages);
   }
-  io.err << messages;
+  io.err << wire_contract::terminal_text(messages);
   if (code != 0) throw bad_use("the file was not read");
   return text;
 }

@@ -33,7 +33,9 @@ void declare_globals(CLI::App& app, Globals& globals) {
          "--shards", globals.shards,
          "Shard map of a world on several servers, a file or etcd://HOST:PORT/KEY, in place of one; see help fleets")
       ->group(connection);
-  app.add_option("--wait", globals.wait, "How long a server may take to answer hello (2s)")->group(connection);
+  app.add_option("--wait", globals.wait,
+                 "At most so long for a server to answer hello (2s, and more on a busy machine)")
+      ->group(connection);
   app.add_option("--timeout", globals.timeout, "How long one answer may take")->group(connection);
 }
 

@@ -3,6 +3,9 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <array>
+#include <string_view>
+#include <utility>
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
@@ -126,8 +129,28 @@ Exit run_verb(const Verb& verb, std::vector<std::string> tokens, Session& sessio
   }
 }
 
+/// The verb of this program for another program's word; empty: no such word is known.
+std::string_view verb_for_word(std::string_view word) {
+  static constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kWords{{{"cast", "ray"},
+                                                                                         {"delete", "rm"},
+                                                                                         {"find", "ls"},
+                                                                                         {"info", "status"},
+                                                                                         {"list", "ls"},
+                                                                                         {"monitor", "watch"},
+                                                                                         {"ping", "status"},
+                                                                                         {"raycast", "ray"},
+                                                                                         {"remove", "rm"},
+                                                                                         {"show", "get"},
+                                                                                         {"subscribe", "watch"},
+                                                                                         {"unload", "clear"}}};
+  const auto* found = std::ranges::find(kWords, word, &std::pair<std::string_view, std::string_view>::first);
+  return found == kWords.end() ? std::string_view() : found->second;
+}
+
 const Verb& known_verb(const std::string& name) {
   if (const Verb* verb = find_verb(name)) return *verb;
+  if (const std::string_view meant = verb_for_word(name); !meant.empty())
+    throw bad_use(fmt::format("unknown verb '{}'; did you mean '{}'?", name, meant));
   std::vector<std::string> names;
   for (const Verb& verb : verbs()) names.emplace_back(verb.name);
   throw bad_use(fmt::format("unknown verb '{}'{}", name, did_you_mean(name, names)));

@@ -4,6 +4,7 @@
 
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/terminal_width.hpp"
+#include "idl/terminal_text.hpp"
 
 namespace collided::cli {
 namespace {
@@ -92,7 +93,8 @@ ConnectOptions connect_options(const Io& io, const Globals& globals) {
     return io.env(name);
   }));
   options.peers = globals.peers;
-  if (!globals.wait.empty()) options.wait = parse_duration(globals.wait);
+  options.wait_is_limit = !globals.wait.empty();
+  if (options.wait_is_limit) options.wait = parse_duration(globals.wait);
   return options;
 }
 
@@ -115,22 +117,25 @@ Failure as_failure(const Error& error) {
 void print_failure(Io& io, const Globals& globals, const Failure& failure) {
   const bool color = color_wanted(io, globals, io.err_is_terminal);
   const char* word = failure.code == Exit::interrupted ? "interrupted" : "error";
-  io.err << (color ? fmt::format("\x1b[31m{}:\x1b[0m ", word) : fmt::format("{}: ", word)) << failure.what() << '\n';
+  io.err << (color ? fmt::format("\x1b[31m{}:\x1b[0m ", word) : fmt::format("{}: ", word))
+         << wire_contract::terminal_text(failure.what()) << '\n';
   std::string_view hint = failure.hint;
   while (!hint.empty() && !globals.quiet) {
     const std::size_t end = std::min(hint.find('\n'), hint.size());
-    io.err << "       " << hint.substr(0, end) << '\n';
+    io.err << "       " << wire_contract::terminal_text(hint.substr(0, end)) << '\n';
     hint.remove_prefix(std::min(end + 1, hint.size()));
   }
   io.err.flush();
 }
 
+void print_error(Io& io, std::string_view text) { io.err << "error: " << wire_contract::terminal_text(text) << '\n'; }
+
 void print_warning(Io& io, std::string_view text) {
-  if (!text.empty()) io.err << "warning: " << text << '\n';
+  if (!text.empty()) io.err << "warning: " << wire_contract::terminal_text(text) << '\n';
 }
 
 void print_hint(Io& io, const Globals& globals, std::string_view text) {
-  if (!globals.quiet) io.err << text << '\n';
+  if (!globals.quiet) io.err << wire_contract::terminal_text(text) << '\n';
 }
 
 }  // namespace collided::cli

@@ -83,6 +83,9 @@ Failure as_failure(const Error& error);
 /// Prints "error: ..." on standard error, with the hint indented below.
 void print_failure(Io& io, const Globals& globals, const Failure& failure);
 
+/// Prints "error: TEXT" on standard error, for one line of many whose others go on.
+void print_error(Io& io, std::string_view text);
+
 /// Prints "warning: TEXT" on standard error, for what is done as written but is surely not meant. Prints nothing for an
 /// empty text.
 void print_warning(Io& io, std::string_view text);

@@ -103,9 +103,14 @@ COLLIDED_API int collided_get_status(collided_client* client, collided_status* s
 
 /* ---- Questions ---- */
 
-enum { COLLIDED_CLOSEST = 0, COLLIDED_ANY = 1, COLLIDED_ALL = 2, COLLIDED_VERDICT = 4 };  /* mode, as collided::HitMode */
-enum { COLLIDED_NORMAL = 0, COLLIDED_LOW = 1, COLLIDED_HIGH = 2 };                        /* importance */
-enum { COLLIDED_LATEST = 0, COLLIDED_SETTLED = 1, COLLIDED_AT = 2, COLLIDED_BACK = 3 };   /* instant */
+enum {
+  COLLIDED_CLOSEST = 0,
+  COLLIDED_ANY = 1,
+  COLLIDED_ALL = 2,
+  COLLIDED_VERDICT = 4
+};                                                                                      /* mode, as collided::HitMode */
+enum { COLLIDED_NORMAL = 0, COLLIDED_LOW = 1, COLLIDED_HIGH = 2 };                      /* importance */
+enum { COLLIDED_LATEST = 0, COLLIDED_SETTLED = 1, COLLIDED_AT = 2, COLLIDED_BACK = 3 }; /* instant */
 enum { COLLIDED_MISS = 0, COLLIDED_HIT = 1, COLLIDED_UNDECIDED = 2, COLLIDED_INVALID = 3 }; /* verdict */
 
 /* Zero: the default of collided::AskOptions, but for `mask`, where 0 lets nothing answer: begin with
@@ -173,7 +178,8 @@ typedef struct collided_columns {
   uint32_t size;
   int32_t first_hits;
   uint8_t* verdict;
-  uint8_t* reason; /* of undecided answers, as collided::UndecidedReason: numeric 1, stale_object 2, recovering 3, ... */
+  uint8_t*
+      reason; /* of undecided answers, as collided::UndecidedReason: numeric 1, stale_object 2, recovering 3, ... */
   uint32_t* hit_count;
   uint64_t* object_id;
   uint32_t* triangle; /* 0xffffffff: none */
@@ -188,6 +194,13 @@ typedef struct collided_columns {
   double* time_high;
   uint8_t* inside; /* 1: inside; 2: inside by winding number */
   uint8_t* stale;
+  /* 1: the mesh does not close and its winding number says inside: distance_m is how far its surface is (nearest: with a
+   * minus), and no depth, since a way out may lead through a hole. 0: distance_m is a depth */
+  uint8_t* by_winding;
+  /* An entry for each question, with reason 6 (not_covered): the point where it leaves the space in which the geometry is
+   * complete, three numbers, and the distance that is covered. Else NaN. Clearances have the point alone. */
+  double* uncovered;
+  double* covered_m;
 } collided_columns;
 COLLIDED_API void collided_read_columns(const collided_answers* answers, const collided_columns* columns);
 /* The name of the object of hit number `hit`, counted through all questions; valid until the answers are used again or
@@ -238,9 +251,9 @@ COLLIDED_API int collided_clearance(collided_client* client, const char* from, c
  * options   mode COLLIDED_ANY: the first contact found, without numbers; else the least clearance. `only` names what the
  *           configurations are judged against, an object, a scene or a glob. max_hits and error_m mean nothing */
 COLLIDED_API int collided_what_if(collided_client* client, const char* const* objects, size_t object_count,
-                                  size_t count, const double* poses, const char* const* attached,
-                                  size_t attached_count, double nearer_m, const collided_ask_options* options,
-                                  collided_answers** answers, collided_error* error);
+                                  size_t count, const double* poses, const char* const* attached, size_t attached_count,
+                                  double nearer_m, const collided_ask_options* options, collided_answers** answers,
+                                  collided_error* error);
 
 /* ---- Objects ---- */
 
@@ -283,11 +296,12 @@ typedef struct collided_object {
   double scale[3];
   double position[3];
   double orientation[4];
-  int32_t solid; /* its closed mesh holds what lies in it; refused where it does not close. 2: then solid by winding number */
+  int32_t
+      solid; /* its closed mesh holds what lies in it; refused where it does not close. 2: then solid by winding number */
 } collided_object;
 COLLIDED_API void collided_object_defaults(collided_object* object, uint32_t size);
 
-/* Adds an object that stays until it is removed. *object_id may be null. */
+/* Adds an object that stays until it is removed or the server stops; after a crash it comes back. *object_id may be null. */
 COLLIDED_API int collided_add(collided_client* client, const collided_object* object, uint64_t* object_id,
                               collided_error* error);
 /* orientation  null: as the world's axes */
@@ -303,8 +317,7 @@ COLLIDED_API int collided_allow(collided_client* client, const char* a, const ch
 COLLIDED_API int collided_deny(collided_client* client, const char* a, const char* b, uint64_t* began,
                                collided_error* error);
 /* An object that no publisher has moves along with another one until it is detached or one of the two is removed. */
-COLLIDED_API int collided_attach(collided_client* client, const char* child, const char* parent,
-                                 collided_error* error);
+COLLIDED_API int collided_attach(collided_client* client, const char* child, const char* parent, collided_error* error);
 COLLIDED_API int collided_detach(collided_client* client, const char* child, collided_error* error);
 
 /* Sends any command; arguments and answer are JSON objects, which idl/commands.hpp of the sources describes.
@@ -343,6 +356,12 @@ typedef struct collided_event {
   double relative_velocity[3];
   double velocity_error;
   int32_t contained; /* 0: no; 1: a lies within b, a solid; 2: b within a */
+  /* Normal and depth with neighbouring bodies counted as one surface, as at the inner edges of a tiled floor; elsewhere
+   * equal to those above. */
+  double surface_normal[3];
+  double surface_depth_m;
+  double surface_depth_error_m;
+  int32_t poses_merged; /* poses of one of the two were replaced by newer ones; see collided::Event */
 } collided_event;
 
 typedef struct collided_watch_options {
@@ -448,6 +467,7 @@ typedef struct collided_fence_event {
   double left_low_s;
   double left_high_s;
   double point[3];
+  int32_t poses_merged; /* as of collided_event */
 } collided_fence_event;
 
 /* News of two objects and a band; see collided::MarginEvent. */
@@ -477,6 +497,7 @@ typedef struct collided_margin_event {
   double closing_error_mps;
   double contact_in_low_s;
   double contact_in_high_s;
+  int32_t poses_merged; /* as of collided_event */
 } collided_margin_event;
 
 /* News of what is nearest; see collided::NearestEvent. */
@@ -498,6 +519,7 @@ typedef struct collided_nearest_event {
   double distance_error_m;
   double point[3];
   double normal[3];
+  int32_t poses_merged; /* as of collided_event */
 } collided_nearest_event;
 
 /* only, skip  globs, may be null
@@ -621,12 +643,12 @@ COLLIDED_API void collided_free_explanation(collided_explanation* explanation);
 /* An explanation as a whole; members that are not of its kind are zero, and texts empty. Texts are valid until it is freed. */
 typedef struct collided_explained {
   uint32_t size;
-  int32_t verdict; /* rays, pairs */
-  int32_t reason;  /* of an undecided one, as in collided_columns */
-  int32_t rung;    /* rays: the arithmetic that was needed: 0 double, 1 expansions, 2 rationals */
-  int32_t late;    /* the deadline was over, and nearer misses may be missing */
-  int32_t cut;     /* rays: there are more hits than are looked at */
-  int32_t stale;   /* pairs: one of the two may be elsewhere */
+  int32_t verdict;       /* rays, pairs */
+  int32_t reason;        /* of an undecided one, as in collided_columns */
+  int32_t rung;          /* rays: the arithmetic that was needed: 0 double, 1 expansions, 2 rationals */
+  int32_t late;          /* the deadline was over, and nearer misses may be missing */
+  int32_t cut;           /* rays: there are more hits than are looked at */
+  int32_t stale;         /* pairs: one of the two may be elsewhere */
   int32_t has_uncovered; /* rays: it leaves the space in which the geometry is complete, after covered_m */
   double covered_m;
   uint64_t nodes;       /* rays: boxes of indexes that were opened */
@@ -643,15 +665,15 @@ typedef struct collided_explained {
   int64_t nearest_ns; /* when the two were nearest */
   double nearest_m;
   double nearest_error_m;
-  double at_least_m; /* at no time of the stretch were they nearer */
-  const char* what;  /* events: began, ended, enter, ... */
-  const char* why;   /* events: of an end; pairs: why there is no nearest */
-  const char* doubt; /* events */
-  const char* a;     /* events; fences: its name */
-  const char* b;     /* events; fences: the object that it is fixed to */
-  uint64_t sequence; /* events */
+  double at_least_m;  /* at no time of the stretch were they nearer */
+  const char* what;   /* events: began, ended, enter, ... */
+  const char* why;    /* events: of an end; pairs: why there is no nearest */
+  const char* doubt;  /* events */
+  const char* a;      /* events; fences: its name */
+  const char* b;      /* events; fences: the object that it is fixed to */
+  uint64_t sequence;  /* events */
   uint64_t cut_short; /* the nearest: searches that ended at their limit */
-  int64_t low_ns;    /* events: it happened between these two */
+  int64_t low_ns;     /* events: it happened between these two */
   int64_t high_ns;
   uint64_t version;
   int64_t world_time_ns;
@@ -659,19 +681,20 @@ typedef struct collided_explained {
 COLLIDED_API void collided_read_explained(const collided_explanation* explanation, collided_explained* explained);
 
 enum {
-  COLLIDED_MET = 0,      /* rays: met, in order; the first is the answer */
-  COLLIDED_LEFT_OUT = 1, /* rays, fences: would answer, or is in, but for the filter that `why` names */
-  COLLIDED_PASSED = 2,   /* rays: nearest first, then the one that was asked for */
-  COLLIDED_STALE = 3,    /* rays: its publisher is lost; it may be in the way from `along_m` on */
-  COLLIDED_UNKNOWN = 4,  /* rays: unknown space whose box is met */
-  COLLIDED_INSIDE = 5,   /* fences: of whom it was told, deepest first */
-  COLLIDED_OUTSIDE = 6,  /* fences: nearest first */
+  COLLIDED_MET = 0,       /* rays: met, in order; the first is the answer */
+  COLLIDED_LEFT_OUT = 1,  /* rays, fences: would answer, or is in, but for the filter that `why` names */
+  COLLIDED_PASSED = 2,    /* rays: nearest first, then the one that was asked for */
+  COLLIDED_STALE = 3,     /* rays: its publisher is lost; it may be in the way from `along_m` on */
+  COLLIDED_UNKNOWN = 4,   /* rays: unknown space whose box is met */
+  COLLIDED_INSIDE = 5,    /* fences: of whom it was told, deepest first */
+  COLLIDED_OUTSIDE = 6,   /* fences: nearest first */
   COLLIDED_ASKED_FOR = 7, /* fences: the object in why_not */
-  COLLIDED_REASON = 8,   /* a sentence in `why`: what keeps a pair's contacts from being told, why an event's bracket is wide */
-  COLLIDED_NEWS = 9,     /* fences: an event of the last that are remembered */
-  COLLIDED_BODY = 10,    /* events: one of the two */
-  COLLIDED_BEFORE = 11,  /* events: how the two stood to each other at low_ns */
-  COLLIDED_AFTER = 12    /* and at high_ns */
+  COLLIDED_REASON =
+      8, /* a sentence in `why`: what keeps a pair's contacts from being told, why an event's bracket is wide */
+  COLLIDED_NEWS = 9,    /* fences: an event of the last that are remembered */
+  COLLIDED_BODY = 10,   /* events: one of the two */
+  COLLIDED_BEFORE = 11, /* events: how the two stood to each other at low_ns */
+  COLLIDED_AFTER = 12   /* and at high_ns */
 };
 
 /* One thing that an explanation names; members that are not of its role are zero, and texts empty. */
@@ -684,10 +707,11 @@ typedef struct collided_explained_row {
   const char* what;  /* met: the kind of shape; news: enter, exit; body: its publisher */
   const char* why;   /* why it is left out; news: why it ended */
   const char* doubt; /* inside, news */
-  double distance_m; /* of a ray along it, passed: the least; of fences and gaps: minus the depth where in or touching */
+  double
+      distance_m; /* of a ray along it, passed: the least; of fences and gaps: minus the depth where in or touching */
   double error_m;
-  double along_m;  /* passed, stale: where on the ray */
-  double point[3]; /* met: where; passed: on the ray; body: its position */
+  double along_m;      /* passed, stale: where on the ray */
+  double point[3];     /* met: where; passed: on the ray; body: its position */
   double on_object[3]; /* passed */
   uint32_t triangle;   /* 0xffffffff: none */
   uint32_t part;       /* met: which of several primitives; 0xffffffff: all of it */
@@ -715,6 +739,18 @@ COLLIDED_API int collided_publish(collided_client* client, const char* name, col
 /* lease_ns  without a call for this long the server counts it as lost: 100 ms to a day, 0: 500 ms */
 COLLIDED_API int collided_publish_leased(collided_client* client, const char* name, int64_t lease_ns,
                                          collided_publisher** publisher, collided_error* error);
+/* How a publisher is kept; see collided::PublishOptions. Begin with collided_publish_defaults. */
+typedef struct collided_publish_options {
+  uint32_t size;
+  uint32_t reserved;
+  int64_t lease_ns; /* without a call for this long the server counts it as lost: 100 ms to a day */
+  int64_t gap_ns;   /* two poses of an object that are farther apart do not connect: 1 ms to 8 s */
+} collided_publish_options;
+COLLIDED_API void collided_publish_defaults(collided_publish_options* options, uint32_t size);
+/* options  null: the defaults */
+COLLIDED_API int collided_publish_with(collided_client* client, const char* name,
+                                       const collided_publish_options* options, collided_publisher** publisher,
+                                       collided_error* error);
 COLLIDED_API void collided_publisher_close(collided_publisher* publisher);
 COLLIDED_API int collided_publisher_add(collided_publisher* publisher, const collided_object* object, uint32_t* handle,
                                         collided_error* error);
@@ -731,12 +767,33 @@ COLLIDED_API int collided_publisher_remove(collided_publisher* publisher, uint32
 COLLIDED_API int collided_publisher_move(collided_publisher* publisher, size_t count, const uint32_t* handles,
                                          const double* positions, const double* orientations, int32_t teleport,
                                          collided_error* error);
-/* source_time_ns  0: now. *sequence may be null. */
+/* source_time_ns  0: now. *sequence may be null.
+ * error           of a call that went well: code COLLIDED_OK and an empty message, unless the server had counted this
+ *                 publisher as lost since the last flush; then the message says how that came and what helps */
 COLLIDED_API int collided_publisher_flush(collided_publisher* publisher, int64_t source_time_ns, uint64_t* sequence,
                                           collided_error* error);
 COLLIDED_API int collided_publisher_wait_applied(collided_publisher* publisher, int64_t timeout_ns,
                                                  collided_error* error);
+/* What the server has not taken as it was published; see collided::PublisherReport. Texts and arrays are valid until the
+ * next report of this publisher. */
+typedef struct collided_report {
+  uint32_t size;
+  uint32_t reserved;
+  const char* refused; /* why the server takes nothing of this publisher; empty: it does */
+  /* Names of objects that are not in the world as they were defined, and why: at most 20 of left_out_count. */
+  const char* const* names;
+  const char* const* reasons;
+  size_t name_count;
+  uint64_t left_out_count;
+  uint64_t merged_poses; /* that newer ones replaced, since the server had more than it could apply */
+} collided_report;
+COLLIDED_API int collided_publisher_report(collided_publisher* publisher, int64_t timeout_ns, collided_report* report,
+                                           collided_error* error);
+/* Shows that the publisher is alive, and says nothing about its objects. */
 COLLIDED_API int collided_publisher_keep_alive(collided_publisher* publisher, collided_error* error);
+/* source_time_ns  the publisher's time now, for one that gives its own times to collided_publisher_flush; 0: as above */
+COLLIDED_API int collided_publisher_keep_alive_at(collided_publisher* publisher, int64_t source_time_ns,
+                                                  collided_error* error);
 /* From now on each object moves between its own poses; see collided::Publisher::stream. */
 COLLIDED_API void collided_publisher_stream(collided_publisher* publisher);
 

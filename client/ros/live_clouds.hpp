@@ -56,6 +56,8 @@ class LiveClouds {
   /// What was wrong with messages since the last call, at most 100 sentences.
   std::vector<std::string> take_flaws() { return std::exchange(flaws_, {}); }
   std::size_t occupied_count() const;
+  /// Null where there are no topics.
+  Publisher* publisher() { return publisher_ ? &*publisher_ : nullptr; }
 
  private:
   struct Waiting {

@@ -44,6 +44,8 @@ class MarkerObjects {
   /// What was wrong with messages since the last call, at most 100 sentences.
   std::vector<std::string> take_flaws() { return std::exchange(flaws_, {}); }
   std::size_t size() const { return objects_.size(); }
+  /// Null where there are no topics.
+  Publisher* publisher() { return publisher_ ? &*publisher_ : nullptr; }
 
  private:
   struct Waiting {

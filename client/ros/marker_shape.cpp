@@ -5,21 +5,6 @@
 namespace collided::ros {
 namespace {
 
-enum MarkerType : std::int32_t {
-  kArrow,
-  kCube,
-  kSphere,
-  kCylinder,
-  kLineStrip,
-  kLineList,
-  kCubeList,
-  kSphereList,
-  kPoints,
-  kText,
-  kMeshResource,
-  kTriangleList,
-};
-
 /// Numbers of points that a marker may have: a shape is one message.
 constexpr std::size_t kMostPoints = 20'000;
 

@@ -9,6 +9,22 @@
 
 namespace collided::ros {
 
+/// Types of a visualization_msgs/Marker.
+enum MarkerType : std::int32_t {
+  kArrow,
+  kCube,
+  kSphere,
+  kCylinder,
+  kLineStrip,
+  kLineList,
+  kCubeList,
+  kSphereList,
+  kPoints,
+  kText,
+  kMeshResource,
+  kTriangleList,
+};
+
 /// visualization_msgs/Marker, as far as it says what is where.
 struct MarkerMessage {
   std::string frame;

@@ -2,18 +2,14 @@
 
 #include <limits>
 
+#include "client/ros/marker_shape.hpp"
+
 namespace collided::ros {
 namespace {
 
 constexpr std::chrono::milliseconds kPeriod{100};
 /// Triangles of a surface that are shown; of a larger one nothing, since a message has an end.
 constexpr std::uint32_t kMostTriangles = 20'000;
-
-// visualization_msgs/Marker.
-constexpr std::int32_t kCube = 1;
-constexpr std::int32_t kSphere = 2;
-constexpr std::int32_t kCylinder = 3;
-constexpr std::int32_t kTriangleList = 11;
 
 /// The markers of one object, each part one; a capsule is a cylinder and two balls, a cone is left out, and so is what
 /// has no end.

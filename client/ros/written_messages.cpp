@@ -3,6 +3,7 @@
 #include <array>
 #include <deque>
 
+#include "client/ros/marker_shape.hpp"
 #include "client/ros/ros_messages.hpp"
 
 namespace collided::ros {
@@ -11,9 +12,6 @@ namespace {
 using Point = ::geometry_msgs_msg_dds__Point_;
 using Vector = ::geometry_msgs_msg_dds__Vector3_;
 
-// visualization_msgs/Marker.
-constexpr std::int32_t kLineList = 5;
-constexpr std::int32_t kSphereList = 7;
 constexpr double kBall_m = 0.02;
 constexpr double kLine_m = 0.005;
 // ros_gz_interfaces/Entity.

@@ -2,7 +2,7 @@
 # each other, in a scope of their own.
 set(delimiter "collided_page")
 set(script "(() => {\n\"use strict\";\n")
-foreach(part math text camera shaders_seen shaders_round shaders_ink renderer solids world contacts fences labels picture source history timeline cdr
+foreach(part math text camera shaders_seen shaders_round shaders_ink renderer solids levels world contacts fences labels picture source history timeline cdr
     hull voxel_boxes flat_shape recording opening things coloring selected panels events matrix answers tools asking others controls main)
   file(READ ${PAGE}/${part}.js text)
   string(APPEND script "${text}\n")

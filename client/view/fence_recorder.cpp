@@ -16,7 +16,7 @@ namespace collided::view {
 namespace {
 
 constexpr std::chrono::milliseconds kPeriod{200};
-constexpr std::chrono::seconds kPatience{1};
+constexpr std::chrono::seconds kFencePatience{1};
 
 constexpr const char* kListSchema = R"({"title":"collided.Fences","type":"object","properties":{
 "fences":{"type":"array","items":{"type":"object","properties":{
@@ -27,7 +27,7 @@ constexpr const char* kListSchema = R"({"title":"collided.Fences","type":"object
 /// Where an object is; nothing where it is not there.
 std::optional<Pose> pose_of(Client& client, const std::string& name) {
   const nlohmann::json arguments{{"name", name}};
-  const Result<std::string> text = client.command(wire_contract::command::kGet, arguments.dump(), {}, kPatience);
+  const Result<std::string> text = client.command(wire_contract::command::kGet, arguments.dump(), {}, kFencePatience);
   if (!text) return std::nullopt;
   const nlohmann::json answer = nlohmann::json::parse(*text, nullptr, false);
   const auto pose = answer.is_object() ? answer.find("pose") : answer.end();

@@ -9,7 +9,6 @@
 namespace collided::view {
 namespace {
 
-constexpr std::chrono::milliseconds kSilent{500};
 constexpr std::size_t kMostEventsAtOnce = 4'096;
 
 }  // namespace
@@ -54,6 +53,7 @@ void Follower::look() {
 void Follower::look_at_poses() {
   const Result<Poses> poses = client_.poses();
   if (!poses) return;
+  heard_.note(Clock::now());
   look_at_objects(*poses);
   if (poses->version == reported_version_ && poses->epoch == reported_epoch_) return;
   reported_version_ = poses->version;
@@ -84,11 +84,11 @@ void Follower::look_at_fences() {
 void Follower::look_at_status() {
   next_status_ = Clock::now() + options_.status;
   const Result<ServerStatus> status = client_.status();
-  if (!status || status->age > kSilent) {
-    observer_.silent(std::chrono::duration<double>(Clock::now() - heard_).count());
-    return;
-  }
-  heard_ = Clock::now();
+  const Clock::time_point now = Clock::now();
+  if (status) heard_.note(now - status->age);
+  const std::optional<double> silence_s = heard_.silence_s(now);
+  if (silence_s) return observer_.silent(*silence_s);
+  if (!status) return;
   const Result<std::string> text = client_.command(wire_contract::command::kFigures, "{}", {}, std::chrono::seconds(1));
   const std::optional<Figures> figures = text ? parse_figures(*text) : std::nullopt;
   const std::optional<Figures> before = std::exchange(figures_, figures);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <functional>
@@ -34,6 +35,24 @@ class Observer {
 
   /// Another thread calls this, as soon as events come.
   virtual void events(std::span<const Event> events) = 0;
+};
+
+/// When a server was last heard of. A busy one may publish its status seldom and still answer, or answer nothing for a while
+/// and still publish.
+class LastHeard {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  explicit LastHeard(Time start) : newest_(start) {}
+  void note(Time heard) { newest_ = std::max(newest_, heard); }
+  /// Seconds of silence; nothing while it is too short to be one.
+  std::optional<double> silence_s(Time now) const {
+    constexpr std::chrono::milliseconds kSilent{500};
+    if (now - newest_ <= kSilent) return std::nullopt;
+    return std::chrono::duration<double>(now - newest_).count();
+  }
+
+ private:
+  Time newest_;
 };
 
 /// How often to ask, and when.
@@ -77,7 +96,7 @@ class Follower {
   Clock::time_point next_status_;
   Clock::time_point next_fences_;
   FenceFollower fences_;
-  Clock::time_point heard_;
+  LastHeard heard_;
   std::optional<Figures> figures_;
 
   std::thread looking_;

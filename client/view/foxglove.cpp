@@ -14,7 +14,6 @@ using nlohmann::json;
 
 constexpr std::string_view kProtocols[] = {"foxglove.sdk.v1", "foxglove.websocket.v1"};
 constexpr std::int64_t kTransformsPeriod_ns = 100'000'000;
-constexpr std::uint8_t kTransformsLane = 1;  // a newer frame replaces one that still waits
 
 WebMessage text_message(const json& message) {
   return {
@@ -114,13 +113,20 @@ std::vector<Foxglove::Outgoing> Foxglove::subscribe(Connection from, std::string
       warn("a subscription without number, of an unknown channel, with a number in use, or one too many");
       continue;
     }
-    subscriptions.push_back({*id, static_cast<Channel>(*channel)});
-    if (*channel == kScene && scene_)
-      answers.push_back({from, {make_bytes(data(*id, scene_time_ns_, *scene_)), false, 0}});
-    if (*channel == kFences && fences_)
-      answers.push_back({from, {make_bytes(data(*id, scene_time_ns_, *fences_)), false, 0}});
+    const Subscription& subscription = subscriptions.emplace_back(
+        Subscription{*id, static_cast<Channel>(*channel), free_lane(subscriptions, static_cast<Channel>(*channel))});
+    const auto& newest = *channel == kScene ? scene_ : *channel == kFences ? fences_ : nullptr;
+    if (newest) answers.push_back({from, {make_bytes(data(*id, scene_time_ns_, *newest)), false, subscription.lane}});
   }
   return answers;
+}
+
+/// A lane of a subscription's own where a newer message makes an older one useless, which may be large; else none.
+std::uint8_t Foxglove::free_lane(const std::vector<Subscription>& subscriptions, Channel channel) {
+  if (channel == kContacts || channel == kEvents) return 0;
+  std::uint8_t lane = 1;
+  while (std::ranges::find(subscriptions, lane, &Subscription::lane) != subscriptions.end()) ++lane;
+  return lane;
 }
 
 /// A binary message of the protocol: opcode 1, the subscription, nanoseconds, the message.
@@ -139,8 +145,8 @@ void Foxglove::publish(Channel channel, std::int64_t time_ns, const std::string&
     for (const auto& [connection, client] : clients_) {
       for (const Subscription& subscription : client.subscriptions) {
         if (subscription.channel != channel) continue;
-        const std::uint8_t lane = channel == kTransforms ? kTransformsLane : std::uint8_t{0};
-        outgoing.push_back({connection, {make_bytes(data(subscription.number, time_ns, text)), false, lane}});
+        outgoing.push_back(
+            {connection, {make_bytes(data(subscription.number, time_ns, text)), false, subscription.lane}});
       }
     }
   }
@@ -159,7 +165,7 @@ void Foxglove::objects(const std::shared_ptr<const ShownObjects>& shown) {
     scene_.reset();
     scene_time_ns_ = shown->world_time.count();
   }
-  const auto scene = std::make_shared<const std::string>(scene_update(*shown, kMostTriangles));
+  const auto scene = std::make_shared<const std::string>(scene_update(*shown));
   {
     const std::lock_guard lock(mutex_);
     scene_ = scene;

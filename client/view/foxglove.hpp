@@ -43,13 +43,12 @@ class Foxglove : public Observer {
 
  private:
   enum Channel : std::uint32_t { kScene = 1, kTransforms, kContacts, kEvents, kFences, kChannelEnd };
-  /// Triangles are sent as text, so an object with more of them is shown as its bounding box.
-  static constexpr std::uint32_t kMostTriangles = 50'000;
   static constexpr std::size_t kMostSubscriptions = 64;
 
   struct Subscription {
     std::uint32_t number = 0;  // the client's number for it
     Channel channel = kScene;
+    std::uint8_t lane = 0;  // of the WebMessages for it
   };
   struct Client {
     std::vector<Subscription> subscriptions;
@@ -59,6 +58,7 @@ class Foxglove : public Observer {
     WebMessage message;
   };
 
+  static std::uint8_t free_lane(const std::vector<Subscription>& subscriptions, Channel channel);
   static std::string data(std::uint32_t subscription, std::int64_t time_ns, std::string_view json);
   void publish(Channel channel, std::int64_t time_ns, const std::string& json);
   std::vector<Outgoing> subscribe(Connection client, std::string_view message);

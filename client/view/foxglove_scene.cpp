@@ -3,7 +3,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <span>
+#include <unordered_map>
 
 #include <nlohmann/json.hpp>
 
@@ -70,39 +73,52 @@ struct SceneEntity {
   template <class Other>
   void operator()(const Other&) {}
 
-  void run(const SurfaceRun& run, std::uint32_t most_triangles) {
+  static auto corners(const SurfaceRun& run) {
+    return std::span(run.surface->triangles).subspan(run.first_triangle, run.triangle_count);
+  }
+
+  void run(const SurfaceRun& run) {
     const Surface& surface = *run.surface;
-    const auto corner = [&](std::uint32_t triangle, std::size_t which) -> const Vec3& {
-      return surface.vertices[surface.triangles[run.first_triangle + triangle][which]];
-    };
-    if (run.triangle_count > most_triangles) {
-      Vec3 low = corner(0, 0);
-      Vec3 high = low;
-      for (std::uint32_t i = 0; i < run.triangle_count; ++i) {
-        for (std::size_t which = 0; which < 3; ++which) {
-          low = low.cwiseMin(corner(i, which));
-          high = high.cwiseMax(corner(i, which));
-        }
-      }
-      return box((low + high) / 2, Quat::Identity(), (high - low) / 2);
-    }
+    std::unordered_map<std::uint32_t, std::size_t> known;  // vertex of the surface: its place among the points
     json points = json::array();
-    for (std::uint32_t i = 0; i < run.triangle_count; ++i) {
-      for (std::size_t which = 0; which < 3; ++which) points.push_back(vector(corner(i, which)));
+    json indices = json::array();
+    for (const auto& triangle : corners(run)) {
+      for (const std::uint32_t vertex : triangle) {
+        const auto [place, is_new] = known.try_emplace(vertex, points.size());
+        if (is_new) points.push_back(vector(surface.vertices[vertex]));
+        indices.push_back(place->second);
+      }
     }
     triangles.push_back({{"pose", pose(Vec3::Zero(), Quat::Identity())},
-                         {"points", points},
+                         {"points", std::move(points)},
                          {"color", color},
                          {"colors", json::array()},
-                         {"indices", json::array()}});
+                         {"indices", std::move(indices)}});
+  }
+
+  /// The bounding box of a run.
+  void bounds(const SurfaceRun& run) {
+    Eigen::AlignedBox3d all;
+    for (const auto& triangle : corners(run)) {
+      for (const std::uint32_t vertex : triangle) all.extend(run.surface->vertices[vertex]);
+    }
+    box(all.center(), Quat::Identity(), all.sizes() / 2);
   }
 };
 
-json entity_json(const ShownObject& object, std::chrono::nanoseconds now, std::uint32_t most_triangles) {
+/// left  of the triangles that the scene may have; those of the object are taken off
+json entity_json(const ShownObject& object, std::chrono::nanoseconds now, const TriangleLimits& most,
+                 std::uint32_t& left) {
   SceneEntity entity{.color = object.moving ? kMoving : kStill};
   for (const ShapePart& part : object.parts) std::visit(entity, part);
   for (const SurfaceRun& run : object.runs) {
-    if (run.surface && run.triangle_count > 0) entity.run(run, most_triangles);
+    if (!run.surface || run.triangle_count == 0) continue;
+    if (run.triangle_count > std::min(most.of_object, left)) {
+      entity.bounds(run);
+    } else {
+      left -= run.triangle_count;
+      entity.run(run);
+    }
   }
   json result{{"timestamp", time(now)},
               {"frame_id", object.moving ? object.name : std::string(kWorld)},
@@ -159,11 +175,11 @@ const FoxgloveSchema kEventSchema{"collided.Event", R"({"title":"collided.Event"
 "timestamp":{"type":"object","title":"time","properties":{"sec":{"type":"integer"},"nsec":{"type":"integer"}}},
 "what":{"type":"string"},"a":{"type":"string"},"b":{"type":"string"},"depth":{"type":"number"},"sequence":{"type":"integer"},"episode":{"type":"integer"}}})"};
 
-std::string scene_update(const ShownObjects& shown, std::uint32_t most_triangles) {
+std::string scene_update(const ShownObjects& shown, const TriangleLimits& most) {
   constexpr int kDeleteAll = 1;
   json entities = json::array();
-  for (const ShownObject& object : shown.objects)
-    entities.push_back(entity_json(object, shown.world_time, most_triangles));
+  std::uint32_t left = most.of_scene;
+  for (const ShownObject& object : shown.objects) entities.push_back(entity_json(object, shown.world_time, most, left));
   return text_of({{"deletions", {{{"timestamp", time(shown.world_time)}, {"type", kDeleteAll}, {"id", ""}}}},
                   {"entities", entities}});
 }

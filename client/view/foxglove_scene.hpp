@@ -19,9 +19,14 @@ extern const FoxgloveSchema kSceneUpdateSchema;
 extern const FoxgloveSchema kFrameTransformsSchema;
 extern const FoxgloveSchema kEventSchema;
 
-/// A SceneUpdate that deletes all entities and then adds all objects. An object with more than most_triangles is shown
-/// as its bounding box; half-spaces are left out, since they are unbounded.
-std::string scene_update(const ShownObjects& shown, std::uint32_t most_triangles);
+/// How many triangles are sent, as text; what has more is shown as its bounding box.
+struct TriangleLimits {
+  std::uint32_t of_object = 50'000;
+  std::uint32_t of_scene = 400'000;
+};
+
+/// A SceneUpdate that deletes all entities and then adds all objects. Half-spaces are left out, since they are unbounded.
+std::string scene_update(const ShownObjects& shown, const TriangleLimits& most = {});
 
 /// The frames of moving objects within the frame "world".
 /// names  of the frames, by id

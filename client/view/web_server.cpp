@@ -1,6 +1,8 @@
 #include "client/view/web_server.hpp"
 
+#include <algorithm>
 #include <deque>
+#include <map>
 #include <stdexcept>
 #include <thread>
 #include <unordered_map>
@@ -30,10 +32,6 @@ using beast::error_code;
 constexpr std::string_view kContentPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
-constexpr std::string_view kFullResponse =
-    "HTTP/1.1 503 Service Unavailable\r\nConnection: close\r\nContent-Type: text/plain\r\nContent-Length: 43\r\n\r\n"
-    "too many connections to this viewer; later\n";
-
 std::string_view view_of(beast::string_view text) { return {text.data(), text.size()}; }
 
 std::vector<std::string> list_of(beast::string_view header) {
@@ -79,6 +77,8 @@ class WebServer::Running {
   void run();
   void accept();
   void take(tcp::socket socket);
+  void close_one_request();
+  bool close_one_answer();
   void look_for_stalled();
 
   const RequestRules rules_;
@@ -86,6 +86,9 @@ class WebServer::Running {
   const Handlers handlers_;
   WebCounts counts_;
   std::unordered_map<Connection, std::weak_ptr<Socket>> sockets_;
+  std::map<std::uint64_t, Request*> reading_;    // without a whole request, the oldest first
+  std::map<std::uint64_t, Request*> answering_;  // that are sent a page, the oldest first
+  std::uint64_t newest_turn_ = 0;
   asio::io_context context_{1};  // owns the connections, which use the members above
   tcp::acceptor acceptor_{context_};
   asio::steady_timer pause_{context_};
@@ -128,29 +131,26 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
 
   void tell(WebMessage message) {
     if (!is_open_ || is_dropped_) return;
-    if (message.lane != 0) {
-      // The message at the front may be being written; then it stays.
-      for (std::size_t i = is_writing_ ? 1 : 0; i < waiting_.size(); ++i) {
-        if (waiting_[i].lane != message.lane) continue;
-        waiting_bytes_ += message.bytes->size() - waiting_[i].bytes->size();
-        waiting_[i] = std::move(message);
-        ++owner_.counts_.superseded;
-        return;
-      }
+    if (!is_writing_) return write(std::move(message));
+    const auto same = std::ranges::find_if(
+        waiting_, [&](const WebMessage& one) { return one.lane != 0 && one.lane == message.lane; });
+    if (same != waiting_.end()) {
+      *same = std::move(message);
+      ++owner_.counts_.superseded;
+      return;
     }
-    // Messages with a lane replace each other, so only those without one can accumulate and count for the limit.
-    const bool piles_up = message.lane == 0 && !waiting_.empty();
-    if (piles_up && (waiting_.size() >= owner_.limits_.waiting_messages ||
-                     waiting_bytes_ + message.bytes->size() > owner_.limits_.waiting_bytes)) {
-      return drop(owner_.counts_.slow);
+    // Only messages without a lane accumulate; of a lane one waits. The message being written no longer waits, however large.
+    if (message.lane == 0) {
+      ++piled_messages_;
+      piled_bytes_ += message.bytes->size();
+      if (piled_messages_ > owner_.limits_.waiting_messages || piled_bytes_ > owner_.limits_.waiting_bytes)
+        return drop(owner_.counts_.slow);
     }
-    waiting_bytes_ += message.bytes->size();
     waiting_.push_back(std::move(message));
-    if (!is_writing_) write();
   }
 
   void drop_if_stalled(Clock::time_point now) {
-    if (is_writing_ && now - writing_since_ > owner_.limits_.stall) drop(owner_.counts_.slow);
+    if (is_writing_ && now - taken_at_ > owner_.limits_.stall) drop(owner_.counts_.slow);
   }
 
  private:
@@ -176,18 +176,41 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
     return ++said_this_second_ <= owner_.limits_.messages_a_second;
   }
 
-  void write() {
+  void write(WebMessage message) {
     is_writing_ = true;
-    writing_since_ = Clock::now();
-    stream_.text(waiting_.front().is_text);
-    stream_.async_write(asio::buffer(*waiting_.front().bytes),
-                        [self = shared_from_this()](error_code failed, std::size_t) {
-                          self->is_writing_ = false;
-                          if (failed || self->is_dropped_) return self->end(failed);
-                          self->waiting_bytes_ -= self->waiting_.front().bytes->size();
-                          self->waiting_.pop_front();
-                          if (!self->waiting_.empty()) self->write();
-                        });
+    written_ = std::move(message);
+    written_bytes_ = 0;
+    stream_.text(written_.is_text);
+    write_piece();
+  }
+
+  /// A client that takes a large message slowly is not one that takes nothing: each piece has the time of a stall.
+  void write_piece() {
+    constexpr std::size_t kPieceBytes = 256 << 10;
+    taken_at_ = Clock::now();
+    const std::string_view rest = std::string_view(*written_.bytes).substr(written_bytes_);
+    const std::string_view piece = rest.substr(0, kPieceBytes);
+    stream_.async_write_some(piece.size() == rest.size(), asio::buffer(piece),
+                             [self = shared_from_this()](error_code failed, std::size_t bytes) {
+                               self->written_bytes_ += bytes;
+                               const bool is_whole = self->written_bytes_ >= self->written_.bytes->size();
+                               if (!failed && !self->is_dropped_ && !is_whole) return self->write_piece();
+                               self->is_writing_ = false;
+                               self->written_ = {};
+                               if (failed || self->is_dropped_) return self->end(failed);
+                               self->write_next();
+                             });
+  }
+
+  void write_next() {
+    if (waiting_.empty()) return;
+    WebMessage next = std::move(waiting_.front());
+    waiting_.pop_front();
+    if (next.lane == 0) {
+      --piled_messages_;
+      piled_bytes_ -= next.bytes->size();
+    }
+    write(std::move(next));
   }
 
   void end(error_code failed) {
@@ -207,7 +230,7 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
   /// Closes at once, without a closing handshake, which a client that receives nothing would not answer.
   void close() {
     is_dropped_ = true;
-    waiting_.resize(std::min<std::size_t>(waiting_.size(), is_writing_ ? 1 : 0));
+    waiting_.clear();
     beast::get_lowest_layer(stream_).close();
   }
 
@@ -216,12 +239,15 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
   websocket::stream<beast::tcp_stream> stream_;
   const Connection number_;
   beast::flat_buffer message_;
-  std::deque<WebMessage> waiting_;
-  std::size_t waiting_bytes_ = 0;
+  WebMessage written_;
+  std::size_t written_bytes_ = 0;
+  std::deque<WebMessage> waiting_;  // behind the one that is being written
+  std::size_t piled_messages_ = 0;  // of those that wait, the ones without a lane
+  std::size_t piled_bytes_ = 0;
   bool is_open_ = false;
   bool is_dropped_ = false;
   bool is_writing_ = false;
-  Clock::time_point writing_since_;
+  Clock::time_point taken_at_;  // when the client had taken all that was written before
   Clock::time_point second_began_;
   std::uint32_t said_this_second_ = 0;
 };
@@ -229,24 +255,38 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
 /// An HTTP connection, until it becomes a WebSocket.
 class WebServer::Running::Request : public std::enable_shared_from_this<Request> {
  public:
-  Request(Running& owner, OpenConnection place, tcp::socket socket)
-      : owner_(owner), place_(std::move(place)), stream_(std::move(socket)), buffer_(2 * owner.limits_.header_bytes) {
+  Request(Running& owner, tcp::socket socket)
+      : owner_(owner), stream_(std::move(socket)), buffer_(2 * owner.limits_.header_bytes) {
     error_code ignored;
+    address_ = stream_.socket().remote_endpoint(ignored).address();
     const auto own = stream_.socket().local_endpoint(ignored).address();
     own_address_ = own.to_string();
     is_loopback_ = own.is_loopback();
   }
 
+  ~Request() {
+    owner_.reading_.erase(turn_);
+    owner_.answering_.erase(turn_);
+  }
+
   void read() {
+    place_.reset();
+    turn_ = ++owner_.newest_turn_;
+    owner_.reading_.emplace(turn_, this);
     parser_.emplace();
     parser_->header_limit(owner_.limits_.header_bytes);
     parser_->body_limit(0);
-    stream_.expires_after(owner_.limits_.request);
+    stream_.expires_after(is_first_ ? owner_.limits_.first_request : owner_.limits_.request);
     http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code failed, std::size_t) {
+      self->owner_.reading_.erase(self->turn_);
+      self->is_first_ = false;
       if (failed) return self->refuse(failed);
       self->answer();
     });
   }
+  const asio::ip::address& address() const { return address_; }
+  void close() { stream_.close(); }
+  bool is_slow() const { return Clock::now() - answered_ > owner_.limits_.first_request; }
 
  private:
   void refuse(error_code failed) {
@@ -260,6 +300,13 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
 
   void answer() {
     const http::request<http::empty_body>& request = parser_->get();
+    if (owner_.counts_.open >= owner_.limits_.connections && !owner_.close_one_answer()) {
+      ++owner_.counts_.full;
+      keeps_ = false;
+      return respond(http::status::service_unavailable, "text/plain",
+                     make_bytes("too many connections to this viewer; later\n"));
+    }
+    place_.emplace(owner_.counts_);
     keeps_ = request.keep_alive();
     // Of two names a proxy may have looked at the other one (RFC 9112, 3.2).
     if (request.count(http::field::host) > 1) return refuse(http::error::bad_field);
@@ -308,7 +355,7 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
       return respond(http::status::service_unavailable, "text/plain", make_bytes("too many watch already\n"));
     }
     const Connection number = ++owner_.newest_;
-    const auto socket = std::make_shared<Socket>(owner_, std::move(place_), std::move(stream_), number);
+    const auto socket = std::make_shared<Socket>(owner_, std::move(*place_), std::move(stream_), number);
     owner_.sockets_.emplace(number, socket);
     socket->open(request, *protocol);
   }
@@ -333,7 +380,11 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
     serializer_.emplace(*response_);
     serializer_->split(request.method() == http::verb::head);
     stream_.expires_after(owner_.limits_.response);
+    turn_ = ++owner_.newest_turn_;
+    answered_ = Clock::now();
+    if (place_) owner_.answering_.emplace(turn_, this);
     const auto sent = [self = shared_from_this()](error_code failed, std::size_t) {
+      self->owner_.answering_.erase(self->turn_);
       if (failed == beast::error::timeout) ++self->owner_.counts_.slow;
       self->body_.reset();
       if (!failed && self->keeps_) return self->read();
@@ -345,9 +396,13 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
   }
 
   Running& owner_;
-  OpenConnection place_;
+  std::optional<OpenConnection> place_;  // while it is answered
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
+  asio::ip::address address_;   // where it comes from
+  std::uint64_t turn_ = 0;      // since when it is among reading_ or answering_
+  Clock::time_point answered_;  // when its answer was begun
+  bool is_first_ = true;
   std::string own_address_;
   bool is_loopback_ = false;
   bool keeps_ = false;
@@ -411,14 +466,29 @@ void WebServer::Running::accept() {
 
 void WebServer::Running::take(tcp::socket socket) {
   ++counts_.connections;
-  if (counts_.open < limits_.connections) {
-    std::make_shared<Request>(*this, OpenConnection(counts_), std::move(socket))->read();
-    return;
-  }
+  if (reading_.size() >= limits_.requests) close_one_request();
+  std::make_shared<Request>(*this, std::move(socket))->read();
+}
+
+/// The oldest of those from the address that has most: one client's half requests displace each other.
+void WebServer::Running::close_one_request() {
+  std::map<asio::ip::address, std::size_t> counts;
+  for (const auto& [number, request] : reading_) ++counts[request->address()];
+  const auto most = std::ranges::max_element(counts, {}, [](const auto& count) { return count.second; });
+  const auto oldest =
+      std::ranges::find_if(reading_, [&](const auto& entry) { return entry.second->address() == most->first; });
   ++counts_.full;
-  error_code ignored;
-  socket.non_blocking(true, ignored);
-  socket.send(asio::buffer(kFullResponse), 0, ignored);
+  oldest->second->close();
+  reading_.erase(oldest);
+}
+
+/// The answer that was begun first, where its client is slow to receive it: others wait for its place.
+bool WebServer::Running::close_one_answer() {
+  if (answering_.empty() || !answering_.begin()->second->is_slow()) return false;
+  ++counts_.slow;
+  answering_.begin()->second->close();
+  answering_.erase(answering_.begin());
+  return true;
 }
 
 void WebServer::Running::look_for_stalled() {

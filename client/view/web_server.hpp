@@ -30,19 +30,25 @@ bool is_loopback(const WebAddress& address);
 
 /// What clients may use at most.
 struct WebLimits {
-  std::size_t connections = 64;           // of all kinds together; further ones are refused with a message
+  std::size_t connections = 64;  // that are answered or watch; further ones are refused with a message
+  /// Connections without a whole request, which are not among those. With more, the oldest of the address that has most
+  /// is closed, so that half requests keep no place from others.
+  std::size_t requests = 256;
   std::uint32_t header_bytes = 8 * 1024;  // of a request; a body is refused
   std::size_t message_bytes = 16 * 1024;  // of one message from a WebSocket client
   std::uint32_t messages_a_second = 100;  // from a WebSocket client; one that sends more is dropped
-  std::size_t waiting_messages = 256;     // for a client that does not receive them; with more it is dropped
-  std::size_t waiting_bytes = 4 << 20;    // the same
-  std::chrono::seconds request{10};       // to receive a request; also between requests on a connection
+  // Messages without a lane that wait for a client, behind the one being sent; with more it is dropped.
+  std::size_t waiting_messages = 256;
+  std::size_t waiting_bytes = 4 << 20;
+  std::chrono::seconds first_request{2};  // to receive the first request of a connection
+  std::chrono::seconds request{10};       // to receive a later one, with the time before it
   std::chrono::seconds response{60};      // to send a page
-  std::chrono::seconds stall{
-      20};  // a client that has not received a message by then is dropped, and so is a silent one
+  // A client that has taken nothing of a message for this long is dropped, and so is a silent one.
+  std::chrono::seconds stall{20};
 };
 
-/// A message to a client. While it still waits, a newer one of its lane replaces it.
+/// A message to a client. While it still waits, a newer one of its lane replaces it. Messages with a lane are not limited, so
+/// whatever makes them has a limit of its own.
 struct WebMessage {
   Bytes bytes;
   bool is_text = false;
@@ -58,8 +64,8 @@ struct WebPage {
 /// Counts since the start, of connections unless stated otherwise.
 struct WebCounts {
   std::atomic<std::uint64_t> connections{0};
-  std::atomic<std::uint64_t> open{0};        // now
-  std::atomic<std::uint64_t> full{0};        // refused since there were too many
+  std::atomic<std::uint64_t> open{0};        // answered or watching, now
+  std::atomic<std::uint64_t> full{0};        // refused, or closed without a whole request, since there were too many
   std::atomic<std::uint64_t> forbidden{0};   // refused by the RequestRules
   std::atomic<std::uint64_t> malformed{0};   // requests and messages that are malformed or too long
   std::atomic<std::uint64_t> slow{0};        // dropped since they did not receive their messages in time

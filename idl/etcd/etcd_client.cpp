@@ -6,27 +6,32 @@
 #include <utility>
 
 #include <nlohmann/json.hpp>
+#include <openssl/evp.h>
 
-#include <boost/beast/core/detail/base64.hpp>
+#include "idl/etcd/http_post.hpp"
 
 namespace collided::etcd {
 namespace {
 
 using nlohmann::json;
-namespace base64 = boost::beast::detail::base64;
 
 std::string encoded(const std::string& bytes) {
-  std::string text(base64::encoded_size(bytes.size()), '\0');
-  text.resize(base64::encode(text.data(), bytes.data(), bytes.size()));
+  std::string text(4 * ((bytes.size() + 2) / 3) + 1, '\0');  // and the end that OpenSSL writes
+  text.resize(static_cast<std::size_t>(EVP_EncodeBlock(reinterpret_cast<unsigned char*>(text.data()),
+                                                       reinterpret_cast<const unsigned char*>(bytes.data()),
+                                                       static_cast<int>(bytes.size()))));
   return text;
 }
 
 std::string decoded(const std::string& text) {
-  std::string bytes(base64::decoded_size(text.size()), '\0');
-  const auto [written, read] = base64::decode(bytes.data(), text.data(), text.size());
-  // The padding is not read.
-  if (text.find_first_not_of('=', read) != std::string::npos) throw HttpError("a value that is not base64");
-  bytes.resize(written);
+  std::string bytes(3 * (text.size() / 4), '\0');
+  const int written =
+      EVP_DecodeBlock(reinterpret_cast<unsigned char*>(bytes.data()),
+                      reinterpret_cast<const unsigned char*>(text.data()), static_cast<int>(text.size()));
+  const std::size_t end = text.find_last_not_of('=') + 1;
+  const std::size_t padding = text.size() - end;
+  if (written < 0 || padding > 2) throw HttpError("a value that is not base64");
+  bytes.resize(static_cast<std::size_t>(written) - padding);
   return bytes;
 }
 
@@ -120,9 +125,9 @@ EtcdClient::EtcdClient(EtcdAddress address, std::int64_t patience_ns)
     : address_(std::move(address)), patience_ns_(patience_ns) {}
 
 json EtcdClient::ask(const EtcdEndpoint& endpoint, const char* target, const std::string& question) {
-  const HttpAnswer answer = poster_.post(endpoint, target, question, patience_ns_);
+  const HttpAnswer answer = http_post(endpoint, target, question, patience_ns_);
   json read = json::parse(answer.body, nullptr, false);
-  constexpr unsigned kOk = 200;
+  constexpr long kOk = 200;
   if (answer.status != kOk) throw HttpError("status " + std::to_string(answer.status) + ": " + shortened(answer.body));
   if (!read.is_object()) throw HttpError("an answer that is not of etcd: " + shortened(answer.body));
   return read;

@@ -6,7 +6,6 @@
 #include <string>
 
 #include "idl/etcd/etcd_address.hpp"
-#include "idl/etcd/http_poster.hpp"
 #include "idl/etcd/lease_store.hpp"
 
 namespace collided::etcd {
@@ -33,7 +32,6 @@ class EtcdClient : public LeaseStore {
   const EtcdAddress address_;
   const std::int64_t patience_ns_;
   std::size_t newest_ = 0;  // the endpoint that answered last
-  HttpPoster poster_;
 };
 
 }  // namespace collided::etcd

@@ -11,10 +11,13 @@
 
 #include <nlohmann/json.hpp>
 
+#include "idl/outside_text.hpp"
+
 namespace collided::shards {
 namespace {
 
 using nlohmann::json;
+using wire_contract::shown;
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
 constexpr std::size_t kMostNameBytes = 63;
@@ -45,7 +48,8 @@ std::array<double, 3> read_corner(const json& shard, const char* key, double end
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const json& side = (*found)[axis];
     if (!side.is_null() && !side.is_number()) {
-      throw ShardMapError(where + ": '" + key + "' has " + side.dump() + "; allowed are numbers, and null for endless");
+      throw ShardMapError(where + ": '" + key + "' has " + shown(side.dump()) +
+                          "; allowed are numbers, and null for endless");
     }
     corner[axis] = side.is_null() ? endless : side.get<double>();
     if (!side.is_null() && !std::isfinite(corner[axis])) {
@@ -57,7 +61,7 @@ std::array<double, 3> read_corner(const json& shard, const char* key, double end
 
 void refuse_unknown(const json& object, const std::set<std::string>& known, const std::string& where) {
   for (const auto& [key, value] : object.items()) {
-    if (!known.contains(key)) throw ShardMapError(where + ": unknown key '" + key + '\'');
+    if (!known.contains(key)) throw ShardMapError(where + ": unknown key " + wire_contract::in_quotes(key));
   }
 }
 
@@ -197,6 +201,9 @@ ShardMap ShardMap::parse(std::string_view text) {
     throw ShardMapError("the shard map has " + std::to_string(text.size()) + " bytes; allowed are " +
                         std::to_string(kMostBytes));
   }
+  if (wire_contract::nests_too_deep(text)) {
+    throw ShardMapError("the shard map nests deeper than " + std::to_string(wire_contract::kMostJsonDepth) + " levels");
+  }
   const json said = json::parse(text, nullptr, false);
   if (!said.is_object()) throw ShardMapError("the shard map is no JSON object");
   refuse_unknown(said, {"margin_m", "shards"}, "the shard map");
@@ -204,7 +211,7 @@ ShardMap ShardMap::parse(std::string_view text) {
   if (const auto margin = said.find("margin_m"); margin != said.end()) {
     map.margin_m_ = margin->is_number() ? margin->get<double>() : std::nan("");
     if (!(map.margin_m_ >= kLeastMarginM && map.margin_m_ < kEndless)) {
-      throw ShardMapError("'margin_m' is " + margin->dump() + "; allowed are numbers from 0.001");
+      throw ShardMapError("'margin_m' is " + shown(margin->dump()) + "; allowed are numbers from 0.001");
     }
   }
   const auto shards = said.find("shards");

@@ -8,6 +8,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "idl/outside_text.hpp"
+
 namespace collided::shards {
 namespace {
 
@@ -96,6 +98,7 @@ std::string succession_text(const MapSuccession& succession) {
 }
 
 MapSuccession parse_succession(std::string_view text) {
+  if (wire_contract::nests_too_deep(text)) throw ShardMapError("the words about a shard map nest too deep");
   const json said = json::parse(text, nullptr, false);
   const auto word = [&](const char* key) -> std::string {
     const auto found = said.is_object() ? said.find(key) : said.end();

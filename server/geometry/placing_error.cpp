@@ -60,6 +60,7 @@ class Placing {
     for (const Vec3& vertex : h.mesh->vertices) most_m = std::max(most_m, of_point(vertex));
     return most_m;
   }
+  double operator()(const Triangle& t) const { return std::max({of_point(t.a), of_point(t.b), of_point(t.c)}); }
   double operator()(const HalfSpace& h) const {
     return rounded_up(of_point(h.point) + (turns_ ? 2 * kTurnedPoint * far_m : 0));
   }
@@ -83,10 +84,20 @@ double placing_error_m(const Frame& frame, const Primitive& own, double far_m) {
   return std::visit(placing, own);
 }
 
-double placing_error_m(const Frame& frame, const Triangle& own) {
-  const Placing placing(frame);
-  return std::max({placing.of_point(own.a), placing.of_point(own.b), placing.of_point(own.c)});
+double placing_error_m(const Frame& frame, const Triangle& own) { return placing_error_of(frame, own); }
+
+template <class Shape>
+double placing_error_of(const Frame& frame, const Shape& own) {
+  return Placing(frame)(own);
 }
+template double placing_error_of(const Frame&, const Sphere&);
+template double placing_error_of(const Frame&, const Box&);
+template double placing_error_of(const Frame&, const Capsule&);
+template double placing_error_of(const Frame&, const Cylinder&);
+template double placing_error_of(const Frame&, const Cone&);
+template double placing_error_of(const Frame&, const Ellipsoid&);
+template double placing_error_of(const Frame&, const Hull&);
+template double placing_error_of(const Frame&, const Triangle&);
 
 double placing_error_m(const Frame& frame, double reach_m) {
   if (!turns(frame) && frame.position.isZero(0)) return 0;

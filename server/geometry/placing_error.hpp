@@ -13,6 +13,9 @@ namespace collided::engine {
 /// cost     some 10 ns; for a hull, linear in its corners
 double placing_error_m(const Frame& frame, const Primitive& own, double far_m = 0);
 double placing_error_m(const Frame& frame, const Triangle& own);
+/// The same for a bounded shape of a known kind, which need not become a Primitive first.
+template <class Shape>
+double placing_error_of(const Frame& frame, const Shape& own);
 
 /// The same for any point within reach_m of the frame's origin.
 double placing_error_m(const Frame& frame, double reach_m);

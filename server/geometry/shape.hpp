@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -31,5 +32,36 @@ struct Filter {
 inline bool may_meet(const Filter& a, const Filter& b) {
   return (a.layers & b.mask) != 0 && (b.layers & a.mask) != 0 && (a.group == 0 || a.group != b.group);
 }
+
+/// Two numbers in either order.
+struct NumberPair {
+  std::uint32_t low;
+  std::uint32_t high;
+
+  NumberPair(std::uint32_t a, std::uint32_t b) : low(std::min(a, b)), high(std::max(a, b)) {}
+  auto operator<=>(const NumberPair&) const = default;
+};
+
+/// Pairs of one scene's objects that may touch, by the objects' numbers: their contacts do not count. It belongs to one
+/// loading of a scene, so the same robot loaded twice meets itself. Immutable.
+class AllowedPairs {
+ public:
+  /// Every pair.
+  AllowedPairs() : is_every_pair_(true) {}
+  explicit AllowedPairs(std::vector<NumberPair> pairs) : pairs_(std::move(pairs)) {
+    std::sort(pairs_.begin(), pairs_.end());
+    pairs_.erase(std::unique(pairs_.begin(), pairs_.end()), pairs_.end());
+  }
+
+  bool is_every_pair() const { return is_every_pair_; }
+  const std::vector<NumberPair>& pairs() const { return pairs_; }
+  bool contains(std::uint32_t a, std::uint32_t b) const {
+    return is_every_pair_ || std::binary_search(pairs_.begin(), pairs_.end(), NumberPair(a, b));
+  }
+
+ private:
+  bool is_every_pair_ = false;
+  std::vector<NumberPair> pairs_;  // ascending, each once
+};
 
 }  // namespace collided::engine

@@ -87,7 +87,7 @@ void check_options(const Reading& reading) {
     refuse(reading, fmt::format("radius {} m, allowed are finite lengths of 0 and more", reading.options.radius_m));
   }
   if (reading.options.up != 0 && reading.options.up != 'y' && reading.options.up != 'z') {
-    refuse(reading, fmt::format("up axis {}, allowed are 'y' and 'z'", quoted({&reading.options.up, 1})));
+    refuse(reading, fmt::format("up axis {}, allowed are 'y' and 'z'", in_quotes({&reading.options.up, 1})));
   }
 }
 
@@ -157,7 +157,7 @@ void place(const FileFormat& format, const Reading& reading, Scene& scene) {
   for (SceneObject& object : scene.objects) {
     if (unit_m != 1) {
       if (const std::string reason = scale(object.shape, Vec3::Constant(unit_m)); !reason.empty()) {
-        refuse(reading, fmt::format("object {}: {}", quoted(std::string_view(object.name)), reason));
+        refuse(reading, fmt::format("object {}: {}", in_quotes(std::string_view(object.name)), reason));
       }
       object.pose.position *= unit_m;
     }
@@ -244,6 +244,17 @@ void drop_bytes(Reading& reading) {
   reading.bytes = {};
 }
 
+/// No number may be so large that distances overflow.
+void refuse_beyond_limit(const Reading& reading, const Scene& scene) {
+  if (const std::string reason = beyond_limit(scene.mesh); !reason.empty()) refuse(reading, reason);
+  for (const SceneObject& object : scene.objects) {
+    std::string reason = beyond_limit(object.pose.position);
+    if (reason.empty()) reason = beyond_limit(object.shape);
+    if (!reason.empty())
+      refuse(reading, fmt::format("object {}: {}", in_quotes(std::string_view(object.name)), reason));
+  }
+}
+
 Scene load(const FileFormat& format, Reading reading) {
   check_options(reading);
   tell_progress(reading, 0);
@@ -265,6 +276,7 @@ Scene load(const FileFormat& format, Reading reading) {
   }
   place(format, reading, scene);
   if (format.content == Content::cloud) set_radius(reading, scene.objects.front());
+  if (!was_saved || reading.options.unit_m != 1) refuse_beyond_limit(reading, scene);
   // A saved scene was examined when it was saved.
   if (format.content == Content::mesh || reading.options.mend_m) finish_mesh(reading, scene);
   tell_progress(reading, 1);
@@ -298,6 +310,7 @@ Scene load_converted(const std::string& path, const LoadOptions& options, LoadRe
   check_options(reading);
   Scene scene = read_scene_file(reading);
   place(kOther, reading, scene);
+  if (options.unit_m != 1) refuse_beyond_limit(reading, scene);
   finish_mesh(reading, scene);
   tell_progress(reading, 1);
   return scene;

@@ -68,8 +68,9 @@ struct SceneObject {
   Shape shape{};
   Pose pose{};
   Filter filter{};
-  SavedIndex index{};  // of the shape's mesh
-  CutTriangles cut{};  // of the shape's mesh
+  SavedIndex index{};        // of the shape's mesh
+  CutTriangles cut{};        // of the shape's mesh
+  std::uint32_t number = 0;  // by which the scene's allowed pairs name it
 };
 
 /// How much of a file in tiles was read.
@@ -87,6 +88,7 @@ struct Scene {
   TriangleMesh mesh{};
   std::vector<Part> parts{};
   std::vector<SceneObject> objects{};
+  std::shared_ptr<const AllowedPairs> allowed_pairs{};  // of the objects; null: none
   bool is_moving = false;            // its objects take poses, half-spaces apart; its triangles stand still
   SavedIndex index{};                // of the mesh
   CollapseOrder collapses{};         // of the mesh; empty: no levels of detail are made

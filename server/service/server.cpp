@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <chrono>
 #include <cstdlib>
 #include <filesystem>
@@ -13,6 +14,7 @@
 #include <optional>
 #include <set>
 #include <utility>
+#include <spdlog/logger.h>
 
 #include "idl/clocks.hpp"
 #include "idl/etcd/etcd_client.hpp"
@@ -142,6 +144,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
       world({.epoch = identity.epoch,
              .max_objects = options.max_objects,
              .max_contacts = options.max_contacts,
+             .max_intervals = options.max_intervals,
              .clock_error_ns = options.clock_error_ns,
              .memory = {.reach_ns = options.memory_ns},
              .held = options.shard ? std::optional(options.shard->held) : std::nullopt}),
@@ -180,7 +183,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
             .leaves_out_details = [this] { return overload.leaves_out_details(); }},
            {.step_ns = options.step_ns,
             .recovery_ns = has_crashed() ? kRecoveryNs : 0,
-            .limits = {.object_numbers = 2 * options.max_objects}}),
+            .limits = {.object_numbers = 2 * options.max_objects, .forget_after_ns = options.forget_after_ns}}),
       commands({loop, inbox, clock, questions, audit, durable.get(), flight.get(), part_meshes, samples,
                 options.clock_error_ns, options.shard ? &*options.shard : nullptr, replaced_within_ns(options),
                 [this](const CommandAsk& ask) {
@@ -191,11 +194,14 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
                       [this, change = WorldChange{ask.text, ask.blob}](const std::string&) { feed->tell(change); });
                 },
                 [this](const std::string& name) { return hand_over_to(name); }, is_replica(),
-                [this] { return succession.predecessor(); }},
+                [this] { return succession.predecessor(); },
+                [this](std::uint64_t publisher) {
+                  return listeners ? listeners->owners().why_refused(publisher) : std::string();
+                }},
                epoch.kept_in.empty() ? std::string()
                                      : std::filesystem::path(epoch.kept_in).replace_extension(".uploads").string()),
       reply_topic(participant, asked_as(options)),
-      succession({.on_world_thread = [this](std::function<void()> job) { return inbox.push_job(std::move(job)); },
+      succession({.on_world_thread = [this](std::function<void()> job) { inbox.push_own_job(std::move(job)); },
                   .speak = [this](const SpokenBefore& before) { loop.speak(before); },
                   .fall_silent = [this] { loop.fall_silent(); },
                   .say_last_words = [this] { return loop.say_last_words(); },
@@ -271,7 +277,8 @@ void Server::Parts::say_unwritten() const {
 std::unique_ptr<FlightRecorder> Server::Parts::record() {
   if (options.flight_recorder_ns == 0) return nullptr;
   const std::string stem = std::filesystem::path(epoch.kept_in).replace_extension().string();
-  auto recorder = std::make_unique<FlightRecorder>(options.name_space, options.flight_recorder_ns, stem);
+  auto recorder =
+      std::make_unique<FlightRecorder>(options.name_space, options.flight_recorder_ns, stem, options.forget_after_ns);
   recorder->write_at_fatal_signals();
   return recorder;
 }
@@ -309,18 +316,37 @@ void Server::Parts::tick() {
   listeners->drop_unmatched_writers();
   if (peers) {
     if (const std::string news = peers->look_for_revoked(); !news.empty()) log->info("keys: {}", news);
+    if (const std::string news = peers->look_for_turned_away(); !news.empty()) log->warn("keys: {}", news);
   }
-  for (const std::uint64_t publisher : listeners->owners().take_forged()) {
+  note_refused();
+}
+
+/// Logs publishers and clients that are not taken: the first time, and whenever there are twice as many as then.
+void Server::Parts::note_refused() {
+  PublisherOwners& owners = listeners->owners();
+  for (const std::uint64_t publisher : owners.take_forged()) {
     log->warn("publisher {}: another process has sent under its number and was refused. Samples refused so far: {}",
-              printable(loop.publisher_name(publisher)), listeners->owners().refused());
+              printable(loop.publisher_name(publisher)), owners.refused());
   }
+  if (const std::optional<std::uint64_t> refused = owners.take_refused()) {
+    log->warn("publisher {:016x} refused: {}. Samples refused so far: {}", *refused, owners.why_refused(*refused),
+              owners.refused());
+  }
+  const std::uint64_t away = answering->clients_turned_away();
+  if (std::bit_width(away) == std::bit_width(turned_away)) return;
+  turned_away = away;
+  log->warn(
+      "too many clients: the server takes {} of all, {} of one process, and the last {} only from processes with fewer "
+      "than {}. Requests of others that were not answered so far: {}",
+      Clients::kMost, Clients::kMostOfParticipant, Clients::kReserved, Clients::kFew, away);
 }
 
 /// Waits until the world's thread has carried out the jobs of all commands so far, at most 3 s.
 void Server::Parts::let_jobs_end() {
   constexpr std::chrono::seconds kPatience{3};
   const auto done = std::make_shared<std::promise<void>>();
-  if (inbox.push_job([done] { done->set_value(); })) done->get_future().wait_for(kPatience);
+  inbox.push_own_job([done] { done->set_value(); });
+  done->get_future().wait_for(kPatience);
 }
 
 Server::Server(const Options& options, std::shared_ptr<spdlog::logger> log, std::function<void()> end)

@@ -2,7 +2,7 @@
 
 #include <functional>
 #include <memory>
-#include <spdlog/logger.h>
+#include <spdlog/fwd.h>
 #include <string>
 #include <thread>
 #include <vector>

@@ -10,6 +10,7 @@
 #include <thread>
 #include <utility>
 #include <vector>
+#include <spdlog/logger.h>
 
 #include "idl/topics.hpp"
 #include "server/service/commands/command_arguments.hpp"
@@ -119,7 +120,7 @@ Standby::RaisedEpoch Server::Parts::raise_epoch(std::uint64_t least) {
   }
   if (std::string problem = service::raise_epoch(epoch, value); !problem.empty()) return {.problem = problem};
   const auto done = std::make_shared<std::promise<void>>();
-  const bool is_taken = inbox.push_job([this, value, done] {
+  inbox.push_own_job([this, value, done] {
     world.set_epoch(value);
     event_writer.set_epoch(value);
     answering->set_epoch(value);
@@ -128,8 +129,7 @@ Standby::RaisedEpoch Server::Parts::raise_epoch(std::uint64_t least) {
     done->set_value();
   });
   constexpr std::chrono::seconds kPatience{3};
-  if (!is_taken || done->get_future().wait_for(kPatience) != std::future_status::ready)
-    return {.problem = "it has too much to do"};
+  if (done->get_future().wait_for(kPatience) != std::future_status::ready) return {.problem = "it has too much to do"};
   return {.value = value, .problem = {}};
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <spdlog/logger.h>
+#include <spdlog/fwd.h>
 
 #include <atomic>
 #include <cstdint>
@@ -65,6 +65,8 @@ struct Server::Parts {
   Epoch make_epoch();
   /// What is due ten times a second; called on the world's thread.
   void tick();
+  /// Logs publishers and clients that are not taken. Part of tick().
+  void note_refused();
   void let_jobs_end();
   /// Opens the journal beside the epoch's file, and writes down that this epoch has begun; null where there is no folder.
   std::unique_ptr<DurableState> keep();
@@ -119,7 +121,8 @@ struct Server::Parts {
   QuestionCounts questions;
   BackgroundAudit audit;
   Overload overload;
-  std::uint64_t superseded = 0;  // poses, as of the last tick()
+  std::uint64_t superseded = 0;   // poses, as of the last tick()
+  std::uint64_t turned_away = 0;  // Answering::clients_turned_away(), as last logged
   Inbox inbox;
   std::unique_ptr<FlightRecorder> flight;  // null where it is off
   DdsEventWriter event_writer;

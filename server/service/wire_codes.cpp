@@ -5,6 +5,7 @@
 #include "idl/unit_quaternion.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/events/events.hpp"
+#include "server/world/objects/sources.hpp"
 #include "server/world/query/probes.hpp"
 
 namespace collided::engine::service {
@@ -74,6 +75,7 @@ COLLIDED_SAME(ProbeState, ProbeState, collision);
 COLLIDED_SAME(ProbeState, ProbeState, deeper);
 COLLIDED_SAME(ProbeState, ProbeState, undecided);
 #undef COLLIDED_SAME
+static_assert(kDefaultGapNs == wire_contract::kDefaultGapNs);
 static_assert(kRayNumbers == wire_contract::kRayNumbers && kSphereNumbers == wire_contract::kSphereNumbers &&
               kBoxNumbers == wire_contract::kBoxNumbers && kNearNumbers == wire_contract::kNearNumbers &&
               kSweepNumbers == wire_contract::kSweepNumbers && kPoseNumbers == wire_contract::kPoseNumbers &&

@@ -236,6 +236,7 @@ void WorldLoop::step_now() {
   count_taking(started_ns);
   pending_changes_ += publishers_.take_changes() + std::exchange(own_changes_, 0);
   const bool leaves_out = with_.leaves_out_details && with_.leaves_out_details();
+  settled_before_ns_ = with_.world.newest()->settled_ns;
   const StepOptions step_options{.contacts = with_.event_writer.contacts_wanted(),
                                  .persisted = with_.event_writer.persisted_wanted() && !leaves_out};
   while (!with_.world.step(with_.clock.now_ns(), std::max<std::uint64_t>(1, pending_changes_), step_options)) {
@@ -324,8 +325,9 @@ void WorldLoop::sum_up_poses() {
 }
 
 void WorldLoop::publish() {
-  broadcast_.publish();
-  fence_broadcast_.publish();
+  const auto is_merged = [this](ObjectId id) { return publishers_.is_merged(id, settled_before_ns_); };
+  broadcast_.publish(is_merged);
+  fence_broadcast_.publish(is_merged);
   if (!probes_.empty() && with_.event_writer.probes_wanted()) {
     const SnapshotRing::Lease state = with_.world.newest();
     publish_probes({.version = state->version, .world_time_ns = state->world_time_ns});

@@ -180,9 +180,10 @@ class WorldLoop {
   std::atomic<std::int64_t> asks_until_ns_{0};  // steady clock: publishers are asked to define everything again
   std::int64_t started_ns_ = 0;
   std::vector<Arrival> arrivals_;
-  std::uint64_t own_changes_ = 0;      // made by jobs, since the last step
-  std::uint64_t pending_changes_ = 0;  // of publishers and jobs that wait for a step
-  std::int64_t next_step_ns_ = 0;      // these three: steady clock
+  std::uint64_t own_changes_ = 0;       // made by jobs, since the last step
+  std::uint64_t pending_changes_ = 0;   // of publishers and jobs that wait for a step
+  std::int64_t settled_before_ns_ = 0;  // world time up to which everything was decided before the newest step
+  std::int64_t next_step_ns_ = 0;       // these three: steady clock
   std::int64_t next_status_ns_ = 0;
   std::int64_t next_tick_ns_ = 0;
   std::int64_t say_again_ns_ = 0;  // likewise: when all that holds is said once more; 0: not

@@ -82,7 +82,7 @@ struct VCollide::State {
   bool open = false;  // the newest object still accepts triangles
   std::set<Pair> inactive_pairs;
   std::string error;
-  Grid grid;
+  Grid grid{Grid::Use::pairs};
   std::vector<Aabb> bounds;
   std::vector<Pair> candidates;
   WalkCost cost;

@@ -25,6 +25,15 @@ void World::State::give_time_of(std::uint64_t publisher, ObjectId id) {
   attachments.for_each_child(id, [&](const AttachedObject& attached) { give_time_of(publisher, attached.child); });
 }
 
+/// What is attached moves as a part of its parent: about the point that moves straight there.
+void World::State::take_pivot(ObjectId id) {
+  const AttachedObject* const attached = attachments.find(id);
+  Vec3 pivot = Vec3::Zero();
+  if (attached != nullptr) pivot = place(frame_of(inverse(attached->in_parent)), rows.pivot(slot_of(attached->parent)));
+  rows.set_pivot(slot_of(id), pivot);
+  attachments.for_each_child(id, [&](const AttachedObject& of) { take_pivot(of.child); });
+}
+
 /// Brings what is attached to an object to where that puts it.
 void World::State::carry(ObjectId parent, const Pose& pose, std::int64_t time_ns, bool teleport, bool is_streamed) {
   attachments.for_each_child(parent, [&](const AttachedObject& attached) {
@@ -65,6 +74,7 @@ std::optional<Refusal> World::attach(ObjectId child, ObjectId parent, const std:
 void World::State::join_parent(ObjectId child, ObjectId parent) {
   const Source& source = sources[rows.source(slot_of(parent))];
   give_time_of(source.publisher, child);
+  take_pivot(child);
   const Pose pose = composed(rows[slot_of(parent)].pose, attachments.find(child)->in_parent);
   const Pose& now = rows[slot_of(child)].pose;
   if (pose.position != now.position || pose.rotation.coeffs() != now.rotation.coeffs())
@@ -78,6 +88,7 @@ bool World::detach(ObjectId child) {
   s.attachments.remove(child);
   s.set_stale(child, false);
   s.give_time_of(0, child);
+  s.take_pivot(child);
   return true;
 }
 
@@ -101,7 +112,7 @@ void World::State::settle_attachments() {
       join_parent(child, parent);
     } else {
       attachments.remove(was.child);
-      if (child == was.child) set_stale(child, false), give_time_of(0, child);
+      if (child == was.child) set_stale(child, false), give_time_of(0, child), take_pivot(child);
       ended_attachments.push_back({.child = was.child_name, .parent = was.parent_name, .is_child_there = child != 0});
     }
   }

@@ -169,7 +169,9 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
   const std::vector<std::shared_ptr<const IndexedMesh>> meshes = std::move(indexed.geometry->object_meshes);
   const std::vector<std::shared_ptr<const SolidMesh>> solids = std::move(indexed.geometry->object_solids);
   const std::vector<std::shared_ptr<const WindingMesh>> windings = std::move(indexed.geometry->object_windings);
-  s.scenes.push_back(indexed.geometry);
+  SceneList::Scenes scenes(s.scenes.begin(), s.scenes.end());
+  scenes.push_back(indexed.geometry);
+  s.scenes = SceneList(std::move(scenes));
   s.apart.clear();
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
@@ -182,7 +184,8 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
                                                   .indexed = i < meshes.size() ? meshes[i] : nullptr,
                                                   .cut = object.cut,
                                                   .solid = i < solids.size() ? solids[i] : nullptr,
-                                                  .winding = i < windings.size() ? windings[i] : nullptr});
+                                                  .winding = i < windings.size() ? windings[i] : nullptr,
+                                                  .allowed = {scene.allowed_pairs, object.number}});
     assert(std::holds_alternative<ObjectId>(defined) && "names and limits were checked above");
   }
   s.rows.place_all_movers_again();
@@ -220,7 +223,9 @@ std::uint32_t World::remove_scene(std::string_view name) {
     remove(info->id, EndReason::geometry_changed);
     ++removed_count;
   }
-  std::erase_if(s.scenes, [&](const auto& scene) { return scene->name == name; });
+  SceneList::Scenes scenes(s.scenes.begin(), s.scenes.end());
+  std::erase_if(scenes, [&](const auto& scene) { return scene->name == name; });
+  s.scenes = SceneList(std::move(scenes));
   if (const auto covers = s.covers_of.find(name); covers != s.covers_of.end()) {
     s.covers_of.erase(covers);
     s.gather_covers();
@@ -233,7 +238,7 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   const OwnFloatEnvironment own_floats;
   State& s = *state_;
   if (const auto taken = s.rows.find(definition.name)) return name_taken(definition.name, s.rows.find(*taken));
-  if (s.rows.name_count() >= s.options.max_objects) {
+  if (is_full()) {
     return Refusal{"object '" + definition.name + "' is one more than the limit of " +
                    std::to_string(s.options.max_objects) + " objects (max_objects). Nothing was added"};
   }
@@ -258,6 +263,10 @@ std::variant<ObjectId, Refusal> World::define(const ObjectDefinition& definition
   if (auto parts = index_parts(info->primitives)) info->rare.edit().parts = std::move(parts);
   if (definition.solid) info->rare.edit().solid = definition.solid;
   if (definition.winding) info->rare.edit().winding = definition.winding;
+  if (definition.allowed.pairs) {
+    info->rare.edit().allowed = definition.allowed;
+    info->has_allowed_pairs = true;
+  }
   if (definition.cut.piece_of) {
     info->rare.edit().cut = definition.cut;
     info->part_triangles = static_cast<std::uint32_t>(definition.shape.mesh->triangles.size());
@@ -283,7 +292,8 @@ ObjectDefinition definition_of(const ObjectInfo& info, const Pose& pose) {
           .indexed = info.mesh,
           .cut = info.rare->cut,
           .solid = info.rare->solid,
-          .winding = info.rare->winding};
+          .winding = info.rare->winding,
+          .allowed = info.rare->allowed};
 }
 
 bool World::remove(ObjectId id, EndReason reason) {
@@ -308,7 +318,7 @@ bool World::State::move(ObjectId id, const Pose& pose, std::int64_t time_ns, boo
     const Source& of = sources[source];
     const std::int64_t settled_ns = of.settled_of(rows[slot].posed_ns);
     at.time_ns = is_streamed ? std::max(time_ns, settled_ns + 1) : of.admitted(time_ns);
-    if (of.is_timed) at.since_ns = is_streamed ? at.time_ns - kStreamGapNs : of.instant_before(at.time_ns);
+    if (of.is_timed) at.since_ns = of.rested_until(at.time_ns);
     sources.note_posed(source, teleport || rows.is_new(slot) || at.since_ns >= at.time_ns);
   }
   if (!rows.move(id, pose, at, teleport ? Motion::placed : Motion::moved)) return false;
@@ -338,8 +348,10 @@ void World::move(std::span<const ObjectId> ids, std::span<const Pose> poses, std
   }
 }
 
-bool World::advance(std::uint64_t publisher, std::int64_t time_ns) {
-  const std::optional<std::uint32_t> beginning = state_->sources.advance(publisher, time_ns);
+void World::set_gap(std::uint64_t publisher, std::int64_t gap_ns) { state_->sources.set_gap(publisher, gap_ns); }
+
+bool World::advance(std::uint64_t publisher, std::int64_t time_ns, bool is_only_alive) {
+  const std::optional<std::uint32_t> beginning = state_->sources.advance(publisher, time_ns, is_only_alive);
   if (beginning) state_->rows.begin(*beginning, state_->sources[*beginning].known_ns);
   return state_->sources.are_several();
 }
@@ -347,6 +359,8 @@ bool World::advance(std::uint64_t publisher, std::int64_t time_ns) {
 void World::expect_objects(std::uint64_t publisher) { state_->sources.expect_objects(publisher); }
 
 void World::lose(std::uint64_t publisher) { state_->sources.lose(publisher); }
+
+bool World::is_full() const { return state_->rows.name_count() >= state_->options.max_objects; }
 
 bool World::has_moved(ObjectId id) const {
   return slot_of(id) < state_->rows.size() && state_->rows.has_moved(slot_of(id));
@@ -380,7 +394,7 @@ void World::State::set_stale(ObjectId id, bool is_stale) {
   stale_places[id] = stale_objects.size();
   stale_objects.push_back({.id = id,
                            .position = row.pose.position,
-                           .reach_m = row.reach_m,
+                           .reach_m = reach_of(*rows.find(id)),
                            .speed_mps = has_speed ? travel_m / motion_s : 0,
                            .posed_ns = row.posed_ns});
 }

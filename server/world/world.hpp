@@ -24,6 +24,7 @@ struct WorldOptions {
   std::uint64_t epoch = 1;                  // of its first snapshots; see World::set_epoch()
   std::uint32_t max_objects = 100'000;      // static parts and moving objects together
   std::uint32_t max_contacts = 10'000'000;  // that one step may find; more set StepCost::truncated
+  std::uint32_t max_intervals = 64;         // contacts of a pair between two poses; beyond them it is in doubt
   double sweep_width = 1e-9;        // of the bracket of a lone sphere's first contact, as a fraction of the step
   std::int64_t clock_error_ns = 0;  // between two publishers' clocks: widens brackets and nothing else
   PoseMemoryOptions memory = {};    // how far back questions about a past instant reach
@@ -48,6 +49,7 @@ struct ObjectDefinition {
   CutTriangles cut{};                            // of the shape's mesh: which pieces belong to which original triangle
   std::shared_ptr<const SolidMesh> solid{};      // what the shape's mesh encloses; null: it is a surface
   std::shared_ptr<const WindingMesh> winding{};  // what it holds by winding number, where it does not close
+  AllowedPartners allowed{};
 };
 
 /// What defines again an object that is in the world, at a pose. Not for a part of a static scene.
@@ -155,11 +157,19 @@ class World {
   /// Declares the publisher's statements complete up to an instant: objects it has not named rested until then, and
   /// pairs with other publishers' objects are decided as far as both are known. True: the world has several sources, so
   /// other pairs may wait for this instant.
-  bool advance(std::uint64_t publisher, std::int64_t time_ns);
+  ///
+  /// is_only_alive  the publisher lives, and says nothing about its objects: each is known up to one gap before
+  bool advance(std::uint64_t publisher, std::int64_t time_ns, bool is_only_alive = false);
+  /// Sets up to how far apart two poses of one of the publisher's objects connect: between them it goes straight; beyond,
+  /// it rested until one gap before the later pose. Call it before the publisher's first instant. Without it:
+  /// kDefaultGapNs.
+  void set_gap(std::uint64_t publisher, std::int64_t gap_ns);
   /// Until it sends nothing more, time waits for the publisher's instants though it has no objects here: some may come.
   void expect_objects(std::uint64_t publisher);
   /// The publisher sends nothing more: its objects rest from now on.
   void lose(std::uint64_t publisher);
+  /// As many objects are there as may be; define() refuses one more.
+  bool is_full() const;
   /// The object already has a change that the next step will take.
   bool has_moved(ObjectId id) const;
   /// Marks an object whose publisher is lost, or found again; queries then allow for how far it may have gone.

@@ -30,7 +30,7 @@ struct World::State {
 
   ObjectRows rows;
   Sources sources;
-  std::vector<std::shared_ptr<const StaticScene>> scenes;  // in order of loading
+  SceneList scenes;
   std::vector<StaleObject> stale_objects;
   std::unordered_map<ObjectId, std::size_t> stale_places;           // in stale_objects
   std::map<std::string, std::vector<Aabb>, std::less<>> covers_of;  // by scene; "": stated for the whole world
@@ -74,6 +74,7 @@ struct World::State {
   void carry(ObjectId parent, const Pose& pose, std::int64_t time_ns, bool teleport, bool is_streamed);
   void give_time_of(std::uint64_t publisher, ObjectId id);
   void join_parent(ObjectId child, ObjectId parent);
+  void take_pivot(ObjectId id);
   void settle_attachments();
   void gather_covers();
 };

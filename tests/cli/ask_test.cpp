@@ -82,7 +82,7 @@ TEST_F(Ask, CsvHasAHeaderAndVectorsTakeThreeColumns) {
 TEST_F(Ask, NamesThatHurtAFormatAreEscaped) {
   answer_rays(fake::hit_answer({fake::hit("a,\"b\"\t\x1b[2J", 1, {0, 0, 0})}));
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --csv --fields object").out, "object\n\"a,\"\"b\"\"\t\x1b[2J\"\n");
-  EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --plain --fields object").out, "a,\"b\"\\t\x1b[2J\n");
+  EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --plain --fields object").out, "a,\"b\"\\t\\x1b[2J\n");
   EXPECT_EQ(collide("ray 0 0 5 0 0 -1 --json --fields object").out, "{\"object\":\"a,\\\"b\\\"\\t\\u001b[2J\"}\n");
   EXPECT_EQ(at_terminal("ray 0 0 5 0 0 -1").out, "hit  a,\"b\"??[2J  distance 1 m  at 0 0 0  normal 0 0 1\n");
 }
@@ -182,7 +182,7 @@ TEST_F(Ask, NothingIsWiderThanANarrowTerminal) {
   }
   EXPECT_EQ(at_terminal("sphere 1 2 0.5 0.3", 50).out,
             "OBJECT               WHAT     DEPTH     CONTACT\n"
-            "…eyor_17/roller_003  contact  0.0412 m  0.93 2 0.5\n");
+            "factory/h…oller_003  contact  0.0412 m  0.93 2 0.5\n");
 }
 
 TEST_F(Ask, VerboseSaysEveryDigitAndItsBound) {

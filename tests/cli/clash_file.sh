@@ -2,7 +2,7 @@
 # `collide clash FILE` looks at a file with a server of its own and leaves nothing behind: clash_file.sh COLLIDE COLLIDED.
 set -euo pipefail
 collide=$1
-export COLLIDED_SERVER=$2 COLLIDED_DOMAIN=221 COLLIDED_NAMESPACE=other_$$
+export COLLIDED_SERVER=$2 COLLIDED_NAMESPACE=other_$$
 folder=$(mktemp -d)
 trap 'rm -rf "$folder"' EXIT
 export TMPDIR=$folder XDG_STATE_HOME=$folder/state

@@ -3,7 +3,7 @@
 # answers while it runs and is gone after it; the shell at a terminal takes lines and keeps its history.
 set -euo pipefail
 collide=$1
-export COLLIDED_SERVER=$2 COLLIDED_DOMAIN=219 COLLIDED_NAMESPACE=demo_$$
+export COLLIDED_SERVER=$2 COLLIDED_NAMESPACE=demo_$$
 folder=$(mktemp -d)
 demo=
 end() { [[ -z $demo ]] || kill "$demo" 2>/dev/null || true; rm -rf "$folder"; }

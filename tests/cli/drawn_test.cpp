@@ -54,7 +54,7 @@ TEST(DrawnClearance, BandsGoFromTheAccentToPaper) {
   ShownObjects shown;
   shown.objects.push_back(
       {.id = 1, .name = "crate", .scene = {}, .pose = {}, .parts = {BoxShape{{1, 1, 1}}}, .runs = {}});
-  Rays rays(*client, {});
+  Rays rays(*client, {.timeout = std::chrono::seconds(30)});
   const auto colors = [&](int bands) {
     return draw(shown, {.view = {.width_px = 40}, .clearance = ClearanceRamp{{1}, "crate", 1, bands}}, rays)
         .picture.pixels.value()

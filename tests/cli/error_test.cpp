@@ -21,6 +21,13 @@ TEST_F(Errors, AnUnknownVerbNamesTheNearest) {
   EXPECT_EQ(fake::server().connect_count, 0);
 }
 
+// By its letters "remove" is nearest to "move".
+TEST_F(Errors, AnotherProgramsWordNamesTheVerbThatDoesIt) {
+  for (const auto& [word, verb] : std::vector<std::pair<std::string, std::string>>{
+           {"remove", "rm"}, {"delete", "rm"}, {"list", "ls"}, {"ping", "status"}})
+    EXPECT_EQ(collide(word + " crate").err, "error: unknown verb '" + word + "'; did you mean '" + verb + "'?\n");
+}
+
 TEST_F(Errors, ADirectionOfZeroHasNoDirection) {
   const Ran ran = collide("ray 0 0 5  0 0 0");
   EXPECT_EQ(ran.code, 2);

@@ -211,5 +211,28 @@ TEST(EventPoster, AWatchPostsWhatItPrints) {
             std::string::npos);
 }
 
+// 0 of 958 were posted, and the watch ended like any other.
+TEST(EventPoster, AWatchWhoseEventsWereNotDeliveredSaysSo) {
+  Event began;
+  began.a = "drone";
+  began.b = "pallet";
+  const auto watch = [&](const std::string& url, int count) {
+    fake::reset();
+    for (int i = 1; i <= count; ++i) {
+      began.sequence = began.episode = static_cast<std::uint64_t>(i);
+      fake::server().events.push_back(began);
+    }
+    return collide("watch -q -n " + std::to_string(count) + " --json --post " + url);
+  };
+  Receiver refusing([](int) { return 404; });
+  const Ran refused = watch(refusing.url(), 3);
+  EXPECT_EQ(refused.code, 5);
+  EXPECT_NE(refused.err.find("0 posted, 0 dropped, 3 refused; last failure: answered 404"), std::string::npos)
+      << refused.err;
+  Receiver flaky([](int post) { return post == 0 ? 404 : 200; });
+  const Ran partly = watch(flaky.url(), 250);
+  EXPECT_EQ(partly.code, 6) << partly.err;
+}
+
 }  // namespace
 }  // namespace collided::cli

@@ -2,7 +2,7 @@
 # `collide explain ... --recording FILE` says of a recording what the live server said: explain_recording.sh COLLIDE COLLIDED.
 set -euo pipefail
 collide=$1
-export COLLIDED_SERVER=$2 COLLIDED_DOMAIN=198 COLLIDED_NAMESPACE=live_$$
+export COLLIDED_SERVER=$2 COLLIDED_NAMESPACE=live_$$
 folder=$(mktemp -d)
 server= pilot=
 end() { for process in $pilot $server; do kill "$process" 2>/dev/null || true; done; wait 2>/dev/null || true; rm -rf "$folder"; }
@@ -17,7 +17,7 @@ same() {  # WHAT, of which "$folder/live" and "$folder/then" hold the answers
     fail "$1 differs: $(cat "$folder/difference" "$folder/err")"
 }
 
-"$COLLIDED_SERVER" --domain 198 --namespace "$COLLIDED_NAMESPACE" --state-dir "$folder/state" --log error >/dev/null &
+"$COLLIDED_SERVER" --namespace "$COLLIDED_NAMESPACE" --state-dir "$folder/state" --log error >/dev/null &
 server=$!
 "$collide" status --wait 20s -q >/dev/null || fail "no server"
 "$collide" add tower box 1 1 4 --at 12 1.032 2 -q >/dev/null
@@ -88,7 +88,7 @@ pilot=
 # Without a server, and of one that had loaded a file.
 kill "$server"; wait "$server" 2>/dev/null || true
 printf 'name,x,y,z,sx,sy,sz\ntank,0,0,0,1,1,1\n' >"$folder/plant.csv"
-"$COLLIDED_SERVER" --domain 198 --namespace "$COLLIDED_NAMESPACE" --state-dir "$folder/other" --log error "$folder/plant.csv" >/dev/null &
+"$COLLIDED_SERVER" --namespace "$COLLIDED_NAMESPACE" --state-dir "$folder/other" --log error "$folder/plant.csv" >/dev/null &
 server=$!
 "$collide" status --wait 20s -q >/dev/null || fail "no second server"
 "$collide" record "$run" --last 5s -q >/dev/null

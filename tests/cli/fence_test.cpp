@@ -91,7 +91,10 @@ TEST_F(FenceVerb, NewsAreToldWithTheirBrackets) {
 }
 
 TEST_F(FenceVerb, TheListSaysWhoIsInside) {
-  EXPECT_EQ(collide("fence ls").code, 1) << "there are none";
+  const Ran none = collide("fence ls");
+  EXPECT_EQ(none.code, 1);
+  EXPECT_EQ(none.out, "");
+  EXPECT_EQ(none.err, "no fences; 'collide fence add' makes one\n");
   fake::server().listed_fences = {{.name = "dock",
                                    .kind = "box",
                                    .to = "",

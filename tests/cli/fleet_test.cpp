@@ -55,6 +55,23 @@ TEST_F(FleetVerb, ListsWhoIsWho) {
             "{\"name\":\"b\",\"role\":\"standby\",\"world_hash\":\"0000000000000123\"}\n");
 }
 
+// Anybody in the network may give a server a name, and this one would set the window's title.
+TEST_F(FleetVerb, NoTextOfAnotherServerCommandsATerminal) {
+  fake::server().members = {member("a"), member("x\x1b]0;evil\x07")};
+  fake::server().members[1].host =
+      "y\x1b[2J\xC2\x9B"
+      "2J";
+  const auto commands = [](const std::string& text) { return text.find_first_of("\x1b\x07") != std::string::npos; };
+  for (const char* line : {"fleet", "fleet --json", "fleet --fields name,host"}) {
+    const Ran ran = collide(line);
+    EXPECT_FALSE(commands(ran.out)) << line << ": " << ran.out;
+    EXPECT_FALSE(commands(ran.err)) << line << ": " << ran.err;
+    EXPECT_NE(ran.err.find("]0;evil"), std::string::npos) << line << ": " << ran.err;
+  }
+  const Ran seen = at_terminal("fleet");
+  EXPECT_FALSE(commands(seen.out)) << seen.out;
+}
+
 TEST_F(FleetVerb, TwoPrimariesAreAFailureWithBothNames) {
   fake::server().members = {member("a"), member("b")};
   const Ran ran = at_terminal("fleet");

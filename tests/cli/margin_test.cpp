@@ -111,7 +111,10 @@ TEST_F(MarginVerb, PeopleReadWhoComesNearAndHowSoonTheyTouch) {
 }
 
 TEST_F(MarginVerb, TheListSaysWhoIsNear) {
-  EXPECT_EQ(collide("margin ls").code, 1) << "there are none";
+  const Ran none = collide("margin ls");
+  EXPECT_EQ(none.code, 1);
+  EXPECT_EQ(none.out, "");
+  EXPECT_EQ(none.err, "no margins; 'collide margin add' makes one\n");
   fake::server().listed_margins = {{.margin = {.name = "close",
                                                .around = "drone*",
                                                .only = "person*",

@@ -273,7 +273,7 @@ TEST(HostileNames, ThePageAndFoxgloveReadBackTheSameName) {
     const ShownObjects shown{.epoch = 1, .version = 2, .table_version = 3, .objects = {object}};
     EXPECT_EQ(json::parse(view::objects_text(shown))["objects"][0]["name"], name);
     EXPECT_EQ(json::parse(view::objects_text(shown))["objects"][0]["scene"], name);
-    const json entity = json::parse(view::scene_update(shown, 1))["entities"][0];
+    const json entity = json::parse(view::scene_update(shown, {.of_object = 1}))["entities"][0];
     EXPECT_EQ(entity["id"], name);
     EXPECT_EQ(entity["frame_id"], name);
     Event event;

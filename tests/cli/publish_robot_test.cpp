@@ -102,6 +102,22 @@ TEST_F(PublishRobot, RowsThatCannotBeMeantAreNamedAndLeftOut) {
             "{\"frames\":2,\"refused\":0,\"objects\":2}\n");
 }
 
+// The hand's arc between two rows is a chord to the server: 90 degrees at a radius of 0.5 m are 0.15 m off.
+TEST_F(PublishRobot, SparseRowsAreWarnedOfWithTheirChordError) {
+  const auto chord_error = [&](const std::string& table) {
+    const ScratchFile robot("arm.urdf", kArm), joints("joints.csv", table);
+    const Ran ran = collide("publish " + robot.path() + " --joints " + joints.path() + " --json --fields chord_error");
+    EXPECT_EQ(ran.code, 0) << ran.err;
+    const bool warns = ran.err.find("link 'hand' leaves its arc by up to") != std::string::npos;
+    const double metres = nlohmann::json::parse(ran.out).at("chord_error");
+    EXPECT_EQ(warns, metres > 1e-3) << ran.err;
+    return metres;
+  };
+  EXPECT_NEAR(chord_error("t,shoulder,slide\n0,0,0.5\n0.001,90deg,\n"), 0.5 - std::sqrt(0.125), 1e-9);
+  EXPECT_NEAR(chord_error("t,shoulder,slide\n0,0,0.5\n0.001,1deg,\n"), 0.5 - 0.5 * std::cos(std::acos(-1) / 360), 1e-9);
+  EXPECT_NEAR(chord_error("t,slide\n0,0\n0.001,0.5\n"), 0, 1e-15);
+}
+
 TEST_F(PublishRobot, AnUnknownColumnIsRefusedWithTheNearestJoint) {
   const Ran ran = publish("t,sholder\n0,0\n");
   EXPECT_EQ(ran.code, 2);

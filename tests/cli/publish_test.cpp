@@ -1,14 +1,20 @@
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
+#include <atomic>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
+#include <fstream>
 #include <set>
+#include <thread>
 
 #include "client/cli/failure.hpp"
 #include "client/cli/publish/path.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
+#include "tests/service/own_domain.hpp"
 
 namespace collided {
 namespace {
@@ -77,6 +83,57 @@ TEST_F(Publish, AFileWhoseObjectsHaveInstantsOfTheirOwnIsStreamed) {
   EXPECT_TRUE(published().is_streamed);
 }
 
+// While a pipe pauses, the publisher lives: a source slower than the lease is not lost after each row.
+TEST_F(Publish, WhileItWaitsForInputItGivesSignsOfLifeWithItsTime) {
+  const ScratchFile folder("beside", "");
+  const std::string pipe = folder.path() + ".fifo";
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::atomic<int> signs{0};
+  std::atomic<std::int64_t> newest_ns{0};
+  fake::server().on_keep_alive = [&](std::chrono::nanoseconds time) { ++signs, newest_ns = time.count(); };
+  std::thread source([&] {
+    std::ofstream rows(pipe);
+    rows << "t,name,x,y,z\n0,a,0,0,0\n0.001,a,0,0,1\n" << std::flush;
+    for (int i = 0; signs < 3 && i < 20'000; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    rows << "0.002,a,0,0,2\n";
+  });
+  const Ran ran = collide("publish " + pipe + " --gap 2s --json --fields frames");
+  source.join();
+  std::remove(pipe.c_str());
+  EXPECT_EQ(ran.out, "{\"frames\":3}\n") << ran.err;
+  EXPECT_GE(signs, 3);
+  EXPECT_GT(newest_ns, published().stamps.front().count());
+  EXPECT_EQ(published().options.gap, std::chrono::seconds(2));
+}
+
+TEST_F(Publish, ALossIsNamedOnce) {
+  const ScratchFile file("poses.csv", "t,x,y,z\n0,0,0,0\n0.01,1,0,0\n0.02,2,0,0\n");
+  fake::server().lost = "publisher 'a' was silent for 2 s";
+  const Ran ran = collide("publish " + file.path());
+  const std::size_t named = ran.err.find("publisher 'a' was silent for 2 s");
+  EXPECT_NE(named, std::string::npos) << ran.err;
+  EXPECT_EQ(ran.err.find("silent", named + 20), std::string::npos) << ran.err;
+}
+
+TEST_F(Publish, AGapIsWithinItsBounds) {
+  for (const char* gap : {"0.5ms", "9s"}) {
+    const Ran ran = collide(std::string("publish --waypoints '0,0,0 1,0,0' --gap ") + gap);
+    EXPECT_EQ(ran.code, 2);
+    EXPECT_NE(ran.err.find(std::string("--gap ") + gap + "; allowed 1ms to 8s"), std::string::npos) << ran.err;
+  }
+}
+
+TEST_F(Publish, ASourceSlowerThanItsGapIsNamedOnce) {
+  const ScratchFile file("slow.csv",
+                         "t,name,x,y,z\n0,a,0,0,0\n0.02,a,1,0,0\n0.04,a,2,0,0\n0.06,a,3,0,0\n0.08,a,4,0,0\n");
+  const std::string words = "frames are 0.02 s apart, longer than the gap of 0.01 s";
+  const Ran slow = collide("publish " + file.path() + " --gap 10ms");
+  const std::size_t named = slow.err.find(words);
+  EXPECT_NE(named, std::string::npos) << slow.err;
+  EXPECT_EQ(slow.err.find(words, named + 1), std::string::npos) << slow.err;
+  EXPECT_EQ(collide("publish " + file.path()).err.find("gap"), std::string::npos);
+}
+
 TEST_F(Publish, FramesComeWhenTheyAreDue) {
   const ScratchFile file("poses.csv", "t,x,y,z\n0,0,0,0\n0.1,1,0,0\n0.2,2,0,0\n");
   std::vector<std::chrono::steady_clock::time_point> times;
@@ -127,6 +184,45 @@ TEST_F(Publish, BadRowsAreNamedAndLeftOut) {
   EXPECT_EQ(ran.err, "error: " + file.path() + " line 3: 'nan' in column y; this pose was not sent\n" + "error: " +
                          file.path() + " line 4: quaternion norm 0.5, allowed 1 +- 1e-3; this pose was not sent\n" +
                          "error: " + file.path() + " line 5: 4 cells, 9 are needed; this pose was not sent\n");
+}
+
+// Its name was another's, or the keys did not allow it: nothing was in the world, and the run ended like any other.
+TEST_F(Publish, WhatIsNotInTheWorldIsReportedCountedAndEndsWith5) {
+  const ScratchFile file("poses.csv", kPoses);
+  fake::server().left_out =
+      Error{ErrorCode::refused, "object 'a' is not in the world: the name is taken; so are 1 more", "it waits"};
+  fake::server().report.left_out_count = 2;
+  const Ran ran = collide("publish " + file.path() + " --json --fields frames,refused");
+  EXPECT_EQ(ran.code, 5);
+  EXPECT_EQ(ran.out, "{\"frames\":3,\"refused\":2}\n") << "the run goes on: other objects may be in the world";
+  EXPECT_EQ(ran.err, "error: object 'a' is not in the world: the name is taken; so are 1 more\n       it waits\n");
+}
+
+TEST_F(Publish, AFollowerOfRosThatIsNotTakenSaysWhyAndEndsWith5) {
+  fake::server().report.refused = "1000 publishers are there";
+  const Ran ran = collide("ros --ros-domain " + std::to_string(testing_support::own_domain()) +
+                          " --for 10ms --json --fields poses");
+  EXPECT_EQ(ran.code, 5);
+  EXPECT_NE(ran.err.find("the server takes nothing of a publisher of this bridge: 1000 publishers are there"),
+            std::string::npos)
+      << ran.err;
+}
+
+TEST_F(Publish, AServerThatIsGoneAtTheEndIsReported) {
+  const ScratchFile file("poses.csv", kPoses);
+  fake::server().left_out = Error{ErrorCode::disconnected, "the server has been silent", ""};
+  const Ran ran = collide("publish " + file.path() + " --json --fields frames");
+  EXPECT_EQ(ran.code, 4);
+  EXPECT_EQ(ran.err, "error: the server has been silent\n");
+}
+
+TEST_F(Publish, PosesThatAnOverloadedServerMergedAreCounted) {
+  const ScratchFile file("poses.csv", kPoses);
+  fake::server().report.merged_poses = 7;
+  const Ran ran = collide("publish " + file.path() + " --json --fields frames,merged");
+  EXPECT_EQ(ran.code, 0);
+  EXPECT_EQ(ran.out, "{\"frames\":3,\"merged\":7}\n");
+  EXPECT_NE(ran.err.find("7 poses gave way to newer ones"), std::string::npos) << ran.err;
 }
 
 TEST_F(Publish, PosesComeThroughAPipe) {

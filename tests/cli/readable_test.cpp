@@ -113,8 +113,25 @@ TEST(Wrapping, ATableFitsByItsWidestColumns) {
   EXPECT_EQ(widths[0].columns, 18u);
   EXPECT_EQ(widths[1].columns, 30u);
   EXPECT_FALSE(fit(widths, 30));
-  EXPECT_EQ(cut_to("warehouse/shelf_3/top", 10), "…elf_3/top");
+  EXPECT_EQ(cut_to("warehouse/shelf_3/top", 10), "ware…3/top");
+  EXPECT_EQ(cut_to("äöüßäöüß", 5), "äö…üß");
   EXPECT_EQ(cut_to("short", 10), "short");
+}
+
+// A role cut to "…imary", or a heading to "…RSION", cannot be read.
+TEST(Wrapping, HeadingsAndShortWordsOfATableStayWhole) {
+  std::ostringstream out;
+  const std::string name = "AC14-FZK-Haus/IfcWallStandardCase/2XPyKWY018sA1ygZKgQPtU";
+  for (const std::size_t width : {100u, 80u, 60u, 40u}) {
+    out.str("");
+    Printer printer(out, Format::table, {}, {.width = width});
+    printer.row({"SERVER", "ROLE", "VERSION", "OF"}, {name, "primary", "0.2.0", name});
+    printer.finish();
+    EXPECT_NE(out.str().find("primary"), std::string::npos) << out.str();
+    EXPECT_NE(out.str().find("AC14-FZ"), std::string::npos) << out.str();
+    EXPECT_NE(out.str().find("gQPtU"), std::string::npos) << out.str();
+    if (width > 60) { EXPECT_NE(out.str().find("VERSION"), std::string::npos) << out.str(); }
+  }
 }
 
 TEST(Wrapping, WhatHoldsANumberIsKnown) {
@@ -124,7 +141,7 @@ TEST(Wrapping, WhatHoldsANumberIsKnown) {
     EXPECT_FALSE(holds_number(text)) << text;
 }
 
-// "1234567.5 m" cut to "…567.5 m" would be another length.
+// "1234567.5 m" cut to "12…5 m" would be another length.
 TEST(Wrapping, NumbersOfATableStayWhole) {
   std::ostringstream out;
   const auto print = [&](std::size_t width) {
@@ -136,7 +153,7 @@ TEST(Wrapping, NumbersOfATableStayWhole) {
   };
   EXPECT_EQ(print(50),
             "OBJECT            DEPTH        CONTACT\n"
-            "…the_long_church  1234567.5 m  4649035.25 500006 5\n");
+            "street.…g_church  1234567.5 m  4649035.25 500006 5\n");
   EXPECT_EQ(print(36),
             "street.city/the_long_church\n"
             "     depth 1234567.5 m\n"

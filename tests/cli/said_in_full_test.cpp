@@ -60,7 +60,8 @@ TEST_F(SaidInFull, AGlobThatNobodyMatchesIsSaidByEveryVerb) {
   EXPECT_TRUE(collide("watch --only 'palet*' --for 1ms").err.starts_with(hint));
   EXPECT_TRUE(collide("ray 0 0 5 0 0 -1 --watch --only 'palet*' --for 1ms").err.starts_with(hint));
   EXPECT_EQ(collide("ls 'palet*'").err, "no object's name matches 'palet*'\n");
-  EXPECT_EQ(collide("ls").err, "") << "the world is empty";
+  EXPECT_EQ(collide("ls").err, "no objects; 'collide load FILE' and 'collide add' put some into the world\n")
+      << "the world is empty";
   replies["list"] = {{"objects", nlohmann::json::array()}, {"count", 3}, {"version", 2}};
   EXPECT_EQ(collide("ray - --only 'palet*'", {.in = "0 0 5 0 0 -1\n"}).err, "");
 }

@@ -1,9 +1,7 @@
 #include <gtest/gtest.h>
 
-#include <filesystem>
-#include <fstream>
-
 #include "tests/cli/fakes/fake_client.hpp"
+#include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
 
 namespace collided {
@@ -106,11 +104,11 @@ TEST_F(WhatIfVerb, OptionsBecomeWhatTheLibraryTakes) {
 
 // A robot of one joint that slides along x, so that its position is where the link is.
 TEST_F(WhatIfVerb, ARobotsJointsBecomePosesOfItsLinks) {
-  const std::filesystem::path file = std::filesystem::path(testing::TempDir()) / "slider.urdf";
-  std::ofstream(file) << R"(<robot name="slider"><link name="rail"/><link name="cart"/><link name="lamp"/>
+  const ScratchFile file("slider.urdf",
+                         R"(<robot name="slider"><link name="rail"/><link name="cart"/><link name="lamp"/>
     <joint name="drive" type="prismatic"><parent link="rail"/><child link="cart"/><axis xyz="1 0 0"/>
       <limit lower="0" upper="2" effort="1" velocity="1"/></joint>
-    <joint name="post" type="fixed"><parent link="cart"/><child link="lamp"/><origin xyz="0 0 1"/></joint></robot>)";
+    <joint name="post" type="fixed"><parent link="cart"/><child link="lamp"/><origin xyz="0 0 1"/></joint></robot>)");
   std::string asked_for;
   fake::server().command = [&](const std::string& name, const nlohmann::json& arguments, const Shape&) {
     asked_for = name + " " + arguments.value("name", "");
@@ -120,7 +118,7 @@ TEST_F(WhatIfVerb, ARobotsJointsBecomePosesOfItsLinks) {
     };
     return Result<std::string>(R"({"count":2,"version":3,"objects":[)" + row("lamp") + "," + row("cart") + "]}");
   };
-  const std::string words = "what-if --robot " + file.string() + " --joints - --at 0,5,0 ";
+  const std::string words = "what-if --robot " + file.path() + " --joints - --at 0,5,0 ";
   const Ran ran = with_input(words, "config,drive\nleft,50cm\nright,1.5\nstays,\nbeyond,3\n");
   EXPECT_EQ(asked_for, "list slider/*");
   EXPECT_EQ(ran.code, 6) << ran.err;
@@ -133,7 +131,7 @@ TEST_F(WhatIfVerb, ARobotsJointsBecomePosesOfItsLinks) {
   EXPECT_EQ(last.poses[1].position, Vec3(0.5, 5, 1));
   EXPECT_EQ(with_input(words + "--beyond-limits", "drive\n3\n").code, 1);
   EXPECT_EQ(with_input(words, "drv\n3\n").code, 2);
-  EXPECT_EQ(with_input("what-if --robot " + file.string(), "").code, 2);
+  EXPECT_EQ(with_input("what-if --robot " + file.path(), "").code, 2);
   EXPECT_EQ(with_input("what-if plan.csv --joints -", "").code, 2);
   EXPECT_EQ(with_input("what-if - --beyond-limits", kPlan).code, 2);
 }

@@ -254,6 +254,7 @@ TEST_F(World, TheConnectionComesFromFlagsThenTheEnvironment) {
   EXPECT_EQ(all.name_space, "lab");
   EXPECT_EQ(all.interface, "auto");
   EXPECT_EQ(all.wait, std::chrono::seconds(5));
+  EXPECT_TRUE(all.wait_is_limit);
   EXPECT_EQ(all.peers, (std::vector<std::string>{"10.0.0.2", "host"}));
 }
 

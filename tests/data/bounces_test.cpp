@@ -12,6 +12,7 @@ class RecordedBounces : public RecordedReality {};
 /// How often something began to touch, in steps (0: the first), of one recording of poses.
 struct Story {
   std::vector<int> began;
+  int times_met = 0;  // by frames: how often it touches at one and did not at the one before
   bool touches_at_start = false;
   bool touches_at_end = false;
 };
@@ -20,13 +21,17 @@ Story play(Stage& stage, const Rows& rows, std::size_t first, std::size_t end, c
   const auto pose = [&](std::size_t row) { return turns ? rows.pose(row) : Pose{.position = rows.point(row)}; };
   const ObjectId mover = stage.add("mover", shape, pose(first), true);
   Story story;
+  bool touched = false;
   for (std::size_t row = first; row < end; ++row) {
     if (row > first) stage.move(mover, pose(row));
     stage.step();
     for (const Event& event : stage.world().events()) {
       if (event.kind == EventKind::began) story.began.push_back(static_cast<int>(row - first));
     }
-    if (row == first) story.touches_at_start = !stage.touching().empty();
+    const bool touches = !stage.touching().empty();
+    if (row == first) story.touches_at_start = touches;
+    story.times_met += touches && !touched ? 1 : 0;
+    touched = touches;
   }
   story.touches_at_end = !stage.touching().empty();
   stage.world().remove(mover, EndReason::removed);
@@ -68,7 +73,9 @@ TEST_F(RecordedBounces, TossedCubesLandWhenTheirVelocityJumps) {
     EXPECT_TRUE(story.touches_at_end) << i;
     ASSERT_FALSE(story.began.empty()) << i;
     same_frame += story.began[0] == expected.integer(i, "first_contact_frame");
-    same_intervals += static_cast<int>(story.began.size()) == expected.integer(i, "contact_intervals_at_z0");
+    same_intervals += story.times_met == expected.integer(i, "contact_intervals_at_z0");
+    // Between two frames it may leave the table and come back.
+    EXPECT_GE(static_cast<int>(story.began.size()), story.times_met) << i;
     near_jump += std::abs(story.began[0] - largest_jump(rows, first, end)) <= 2;
   }
   std::printf(

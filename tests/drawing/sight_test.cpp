@@ -184,7 +184,7 @@ TEST_F(DrawingSight, OutlinesOfCurvedSolidsAreWhereTheirSolidsEnd) {
         {.from = Vec3(3, -11, 6), .is_orthographic = is_parallel, .width_px = 1200}, draw::extreme_points(all));
     const auto lines = draw::feature_lines(all, camera);
     for (std::uint32_t object = 0; object < all.objects.size(); ++object) {
-      draw::Rays rays(*client_, AskOptions{.only = all.objects[object].name});
+      draw::Rays rays(*client_, AskOptions{.only = all.objects[object].name, .timeout = std::chrono::seconds(30)});
       const draw::ImagePoint middle = camera.project(all.objects[object].pose.position);
       std::vector<RayQuestion> inside, outside;
       for (const draw::FeatureLine& line : lines) {

@@ -1,4 +1,5 @@
 #include "client/library/recordings/recorded_run.hpp"
+#include "client/library/recordings/replay_times.hpp"
 #include "idl/mcap/writer.hpp"
 #include "tests/fuzz/framed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
@@ -47,6 +48,9 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     fuzz::require(item.data.data() >= first && item.data.data() + item.data.size() <= first + run.bytes.size(),
                   "messages lie in the file");
   }
+  const client::ReplayTimes times = client::replay_times(run);
+  fuzz::require(times.of.size() == run.items.size() && times.order.size() == run.items.size(),
+                "each item has its time");
   for (const auto& [state, requests] : run.requests) {
     for (const client::RecordedRequest& request : requests) {
       fuzz::require(!request.questions.empty() && !request.replies.empty(), "a request has both");

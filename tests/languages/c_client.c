@@ -80,7 +80,9 @@ static void moves_and_events(collided_client* client) {
   collided_part part;
   collided_watch *polled = NULL, *calling = NULL;
   collided_publisher* publisher = NULL;
+  collided_report report;
   collided_watch_options options;
+  collided_publish_options kept;
   collided_event event;
   collided_pair_answer pair;
   uint32_t ball;
@@ -107,7 +109,12 @@ static void moves_and_events(collided_client* client) {
   object.position[0] = 500;
   must(collided_add(client, &object, NULL, &error), &error, "add");
 
-  must(collided_publish(client, "c_mover", &publisher, &error), &error, "publish");
+  collided_publish_defaults(&kept, sizeof kept);
+  expect(kept.lease_ns == 500000000L && kept.gap_ns == 1500000000L, "the defaults of a publisher");
+  kept.gap_ns = 0;
+  expect(collided_publish_with(client, "c_mover", &kept, &publisher, &error) == COLLIDED_BAD_INPUT, "no gap");
+  kept.gap_ns = 2000000000L;
+  must(collided_publish_with(client, "c_mover", &kept, &publisher, &error), &error, "publish");
   part.kind = COLLIDED_SPHERE;
   memset(part.numbers, 0, sizeof part.numbers);
   part.numbers[3] = 0.2;
@@ -125,13 +132,32 @@ static void moves_and_events(collided_client* client) {
     must(collided_publisher_move(publisher, 1, &ball, position, NULL, 0, &error), &error, "move");
     must(collided_publisher_flush(publisher, 0, NULL, &error), &error, "flush");
   }
+  expect(error.code == COLLIDED_OK && error.message[0] == 0, "it was not lost");
+  must(collided_publisher_keep_alive_at(publisher, 0, &error), &error, "keep alive");
   must(collided_publisher_wait_applied(publisher, 5000000000L, &error), &error, "wait");
+  report.size = sizeof report;
+  must(collided_publisher_report(publisher, 5000000000L, &report, &error), &error, "report");
+  expect(!strcmp(report.refused, "") && report.name_count == 0 && report.left_out_count == 0, "everything is taken");
+  expect(report.merged_poses == 0, "and no pose was replaced");
+  object.name = "c_wall";
+  must(collided_publisher_add(publisher, &object, NULL, &error), &error, "add a name that is taken");
+  must(collided_publisher_flush(publisher, 0, NULL, &error), &error, "flush");
+  expect(collided_publisher_wait_applied(publisher, 5000000000L, &error) == COLLIDED_REFUSED, "the name is taken");
+  must(collided_publisher_report(publisher, 5000000000L, &report, &error), &error, "report");
+  expect(report.name_count == 1 && report.left_out_count == 1 && !strcmp(report.names[0], "c_wall") &&
+             !strcmp(report.reasons[0], "the name is taken"),
+         "the report says so");
   event.size = sizeof event;
   for (i = 0; i < 100 && ended == 0; ++i) {
     const int code = collided_watch_next(polled, 100000000, &event, &error);
     if (code == COLLIDED_NOTHING) continue;
     must(code, &error, "next");
     began += event.kind == 1;
+    if (event.kind == 1) {
+      expect(!memcmp(event.surface_normal, event.normal, sizeof event.normal), "a wall alone is one surface");
+      expect(event.surface_depth_m == event.depth_m && event.surface_depth_error_m == event.depth_error_m, "and its depth");
+    }
+    expect(event.poses_merged == 0, "none of its poses was replaced");
     ended += event.kind == 3;
     expect(!strcmp(event.a, "c_wall") || !strcmp(event.b, "c_wall"), "the names");
   }
@@ -174,8 +200,8 @@ static void groups(collided_client* client) {
   collided_answers* answers = NULL;
   collided_answers_info info;
   collided_columns columns;
-  uint8_t verdicts[3];
-  double distances[6];
+  uint8_t verdicts[3], by_winding[6];
+  double distances[6], uncovered[9], covered[3];
   size_t i;
   error.size = sizeof error;
   info.size = sizeof info;
@@ -198,9 +224,14 @@ static void groups(collided_client* client) {
   columns.size = sizeof columns;
   columns.verdict = verdicts;
   columns.distance_m = distances;
+  columns.by_winding = by_winding;
+  columns.uncovered = uncovered;
+  columns.covered_m = covered;
   collided_get_info(answers, &info);
   expect(info.questions == 1 && info.hits == 2, "a pair is two hits");
   collided_read_columns(answers, &columns);
+  expect(by_winding[0] == 0 && by_winding[1] == 0, "no distance by winding number");
+  expect(uncovered[0] != uncovered[0] && covered[0] != covered[0], "nothing is uncovered");
   expect(verdicts[0] == COLLIDED_MISS && fabs(distances[0] - 1) < 1e-9, "a metre");
   expect(!strcmp(collided_hit_object(answers, 0), "c_hand") && !strcmp(collided_hit_object(answers, 1), "c_wall"), "names");
   must(collided_what_if(client, name, 1, 3, poses, NULL, 0, HUGE_VAL, NULL, &answers, &error), &error, "what-if");

@@ -15,6 +15,7 @@ import tempfile
 import threading
 import time
 import unittest
+import warnings
 
 COLLIDE, DOMAIN = sys.argv[1], int(sys.argv[2])
 if "--without-numpy" in sys.argv:
@@ -185,6 +186,8 @@ class Questions(WithServer):
             self.assertEqual((scanned.verdict, beside.verdict), (Verdict.HIT, Verdict.MISS))
             self.assertTrue(scanned.hits[0].inside and scanned.hits[0].by_winding)
             self.assertFalse(answers[0].hits[0].by_winding)
+            both = self.client.inside([[600, 0, 0.75], [620.5, 0, 0], [622, 0, 0]])
+            self.assertEqual([list(map(int, column)) for column in (both.inside, both.by_winding)], [[1, 2, 0], [0, 1, 0]])
             with self.assertRaisesRegex(collided.BadInput, "solid is 'guess'; known are True, False and \"winding\""):
                 self.client.add("py_guess", collided.Mesh(corners, faces), solid="guess")
             self.client.remove("py_scan")
@@ -511,7 +514,7 @@ class World(WithServer):
         self.assertEqual([event.kind for event in told["fences"]], ["enter", "exit"])
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "last.mcap")
-            subprocess.run([COLLIDE, "--domain", str(DOMAIN), "record", path, "--last", "30s"], check=True, capture_output=True)
+            subprocess.run([COLLIDE, "--domain", str(DOMAIN), "record", path, "--last", "30s"], check=True, stdout=subprocess.DEVNULL)
             recorded = collided.recorded_fence_events(path, only="py_[bgw]*")
             self.assertEqual((recorded.lost, recorded.warnings), (0, []))
             self.assertLess(recorded.begin_ns, recorded.end_ns)
@@ -619,6 +622,9 @@ class World(WithServer):
                     self.assertAlmostEqual(ahead.hits[0].distance, 1, delta=1e-4)
                     back = self.client.rays([[701, 0.05, 1.05]], [[-1, 0, 0]])[0]
                     self.assertEqual((back.verdict, back.reason), (Verdict.UNDECIDED, "not_covered"))
+                    self.assertTrue(0 <= back.covered <= 1)
+                    self.assertAlmostEqual(back.uncovered[0], 701 - back.covered, delta=1e-9)
+                    self.assertEqual((ahead.uncovered, ahead.covered), (None, None))
                     voxels.clear()
                     publisher.wait_applied()
                     cleared = self.client.rays([[701, 0.05, 1.05]], [[1, 0, 0]], only=name + "/*")[0]
@@ -629,6 +635,24 @@ class World(WithServer):
                     publisher.voxels("py_bad_scan", **wrong)
             with publisher.voxels("py_bad_scan", 0.1) as voxels, self.assertRaises(collided.BadInput):
                 voxels.insert([[1, 2]])
+
+    def test_silence_is_reported_and_not_called_free(self):
+        with self.client.publish("py_tracker", lease=0.2, gap=2) as publisher:
+            drone = publisher.add("py_tracker/drone", collided.Sphere(0.2), (330, 0, 0))
+            publisher.flush()
+            publisher.wait_applied()
+            time.sleep(0.6)
+            self.assertNotEqual(self.client.spheres([[330, 0, 0]], [0.1])[0].verdict, Verdict.MISS)
+            publisher.move(drone, (330, 0, 0))
+            with self.assertWarnsRegex(RuntimeWarning, "'py_tracker' was silent for .* longer than its lease of 200 ms"):
+                publisher.flush()
+            with warnings.catch_warnings():
+                warnings.simplefilter("error")
+                publisher.keep_alive()
+                publisher.keep_alive(time.time_ns())
+                publisher.flush()
+        with self.assertRaisesRegex(collided.BadInput, "its gap is 9 s; allowed 1 ms to 8 s"):
+            self.client.publish("py_slow", gap=9)
 
     def test_a_publisher_s_ball_meets_a_box_and_leaves(self):
         self.client.add("py_wall", collided.Box((0.1, 1, 1)), (300, 0, 0))
@@ -642,6 +666,12 @@ class World(WithServer):
                 publisher.flush()
                 time.sleep(0.002)
             publisher.wait_applied()
+            self.assertEqual(publisher.report(), collided.PublisherReport("", [], 0, 0))
+            publisher.add("py_wall", collided.Sphere(0.2), (310, 0, 0))
+            publisher.flush()
+            with self.assertRaises(collided.Refused):
+                publisher.wait_applied()
+            self.assertEqual(publisher.report().left_out, [("py_wall", "the name is taken")])
             until = time.monotonic() + 20
             while len(events) < 2 and time.monotonic() < until:
                 event = watch.next(0.5)
@@ -654,6 +684,9 @@ class World(WithServer):
         self.assertEqual(events[1].reason, "separated")
         self.assertEqual(events[1].episode, events[0].sequence)
         self.assertLess(abs(abs(events[0].normal[0]) - 1), 1e-9)
+        self.assertEqual(events[0].surface_normal, events[0].normal)
+        self.assertFalse(events[0].poses_merged or events[1].poses_merged)
+        self.assertEqual((events[0].surface_depth, events[0].surface_depth_error), (events[0].depth, events[0].depth_error))
 
     def test_pairs_may_touch_and_what_is_attached_moves_along(self):
         self.client.add("py_hand", collided.Box((0.5, 0.5, 0.5)), (400, 0, 0))

@@ -9,7 +9,7 @@ cd "${1:?repository root}"
 # A file obeys its room and, where the room has rooms of its own, that one too. "room/." is what lies in the room itself.
 declare -A may=(
   [server/geometry]="server/geometry"
-  [server/intake]="server/intake server/geometry idl/scene_generated.h idl/tiles_generated.h idl/unit_quaternion.hpp"
+  [server/intake]="server/intake server/geometry idl/scene_generated.h idl/tiles_generated.h idl/unit_quaternion.hpp idl/question_rules.hpp"
   [server/broad_phase]="server/broad_phase server/geometry"
   [server/exact_phase]="server/exact_phase server/geometry"
   [server/world]="server/world server/exact_phase server/broad_phase server/intake server/geometry idl/glob.hpp idl/clocks.hpp idl/question_rules.hpp"
@@ -31,8 +31,8 @@ declare -A within=(
   [exact_phase/distance]="round_solids overlap ray kernels arithmetic"  # a contact's depth begins with the yes or no
   [exact_phase/overlap]="distance kernels arithmetic"      # general shapes decide by the nearest point
   [exact_phase/solid]="kernels arithmetic"
-  [exact_phase/motion]="round_solids overlap distance kernels arithmetic"
-  [exact_phase/given]=". round_solids overlap distance kernels arithmetic"
+  [exact_phase/motion]="given . round_solids overlap distance kernels arithmetic"
+  [exact_phase/given]=". round_solids overlap distance ray kernels arithmetic"
   [intake/polygons]=". readers"
   [intake/mesh]=". polygons readers"
   [intake/simplify]=". mesh polygons"
@@ -92,7 +92,7 @@ door() { # PATTERN ALLOWED_REGEX NAME
 door '#include [<"]fcl/' '^server/programs/opinion/' FCL
 door '#include [<"]dds/' '^idl/dds' 'Cyclone DDS'
 door '#include [<"](flatbuffers/|idl/(scene|geometry|tiles)_generated)' '^(server/intake/scene_file/(verified\.hpp|scene_(file\.cpp|(en|de)coder\.hpp))|server/intake/tiles/tile_format\.cpp|server/service/commands/geometry_encoding\.cpp|client/library/(publishing/shape_encoding|commands/geometry_decoding)\.cpp)$' FlatBuffers
-door '#include <boost/(asio|beast)' '^(client/view/web_server|idl/etcd/(http_poster|etcd_client))\.cpp$' 'Boost.Beast'
+door '#include <boost/(asio|beast)' '^client/view/web_server\.cpp$' 'Boost.Beast'
 door '#include <assimp/' '^server/programs/import/' Assimp
 # Who calls back takes a FunctionRef, not a function and what it is to be given.
 while IFS= read -r line; do
@@ -111,6 +111,15 @@ while IFS= read -r line; do
 done < <(grep -rnE '\b[0-9.]+e-0*([4-9]|[1-9][0-9])' server/{geometry,intake,exact_phase,world,vcollide} --include='*.hpp' --include='*.cpp' |
          sed -E 's/"[^"]*"//g; s://.*::' | grep -E '[0-9.]e-[0-9]' |
          grep -vE 'constexpr|^[^:]+:[0-9]+: *double [a-z_]+ = [0-9.e-]+;' || true)
+# Tests run beside each other: a DDS domain is claimed, and a file in the temporary folder has the process in its name.
+while IFS= read -r line; do
+  say "$line: two tests may share this domain; start it by tests/in_own_domain.py"
+done < <(grep -rnE 'COLLIDED_DOMAIN=[0-9]|--domain[ =][0-9]|with_server\.sh \$<TARGET_FILE:collided> [0-9]' tests --include='*.sh' --include='*.mjs' --include='*.py' --include='CMakeLists.txt' |
+         grep -v '^tests/layering/' | grep -v -- '--domain 7 --namespace hall' || true)
+while IFS= read -r line; do
+  say "$line: two tests may share this file; add the process number or use ScratchFile (tests/cli/scratch_file.hpp)"
+done < <(grep -rnE -A1 '(TempDir|temp_directory_path)\(\)\)? *(\+|/) *"[a-z_.]+"' tests --include='*.cpp' --include='*.hpp' |
+         grep -E '"[a-z_]+\.[a-z]+"' || true)
 # A type's name stands in one file: two that mean different things cost every reader. Those that are the same word on
 # both sides of the wire (collided::Hit..., collided::engine::...) and a class whose inner part is defined in its .cpp are
 # in the count; it may fall, never rise.

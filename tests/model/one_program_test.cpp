@@ -5,6 +5,7 @@
 
 #include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
+#include "tests/service/own_domain.hpp"
 
 namespace collided {
 namespace {
@@ -35,7 +36,7 @@ TEST(OneProgram, AsksAnEngineOfItsOwnBesideTheClient) {
   EXPECT_EQ(answers.hits[0].distance_m, 1.5);
 
   ConnectOptions nowhere;
-  nowhere.domain = 229;
+  nowhere.domain = testing_support::own_domain();
   nowhere.wait = std::chrono::milliseconds(1);
   const Result<Client> client = Client::connect(nowhere);
   ASSERT_FALSE(client) << "nobody serves there";

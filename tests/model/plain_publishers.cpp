@@ -31,11 +31,11 @@ void PlainPublishers::heard(std::uint64_t id, Party& party, WriterKind kind) {
 }
 
 void PlainPublishers::back_alive(std::uint64_t id, Party& party) {
-  party.lost = false;
+  party.lost = party.is_frozen = false;
   for (const std::uint32_t number : party.numbers) {
     Object& object = party.objects.at(number);
     if (object.place == Place::taken_away) enter({id, number}, object);
-    if (object.place != Place::in_world || object.policy != LostPolicy::freeze) continue;
+    if (object.place != Place::in_world || object.policy == LostPolicy::hold) continue;
     object.is_stale = false;
     ++changes;
   }
@@ -241,11 +241,8 @@ void PlainPublishers::writer_lost(std::uint64_t id, WriterKind kind, std::int64_
   party.lost_ns = now_ns;
   ++changes;  // others wait for it no longer
   for (auto& [number, object] : party.objects) {
-    if (object.place != Place::in_world) continue;
-    if (object.policy == LostPolicy::freeze) object.is_stale = true, ++changes;
-    if (object.policy != LostPolicy::remove) continue;
-    leave({id, number}, object);
-    object.place = Place::taken_away;
+    party.is_frozen = party.is_frozen || object.place != Place::gone;
+    if (object.place == Place::in_world && object.policy != LostPolicy::hold) object.is_stale = true, ++changes;
   }
 }
 
@@ -254,6 +251,15 @@ void PlainPublishers::writer_alive(std::uint64_t id, WriterKind kind) {
 }
 
 void PlainPublishers::settle(std::int64_t now_ns) {
+  for (auto& [id, party] : parties_) {
+    if (!party.is_frozen || now_ns - party.lost_ns < limits_.forget_after_ns) continue;
+    party.is_frozen = false;
+    for (auto& [number, object] : party.objects) {
+      if (object.place != Place::in_world || object.policy != LostPolicy::remove) continue;
+      leave({id, number}, object);
+      object.place = Place::taken_away;
+    }
+  }
   const std::vector<Key> waiting = std::exchange(waiting_, {});
   for (const Key& key : waiting) {
     const auto party = parties_.find(key.first);

@@ -39,6 +39,7 @@ class PlainPublishers {
   struct Party {
     std::uint64_t incarnation = 0, definitions_seen = 0;
     bool object_writer = false, pose_writer = false, lost = false, said_all = false;
+    bool is_frozen = false;  // lost, and what is to be removed is still there
     std::int64_t lost_ns = 0;
     std::map<std::uint32_t, Object> objects;
     std::vector<std::uint32_t> numbers;  // in the order of their first definitions, which is that of coming back

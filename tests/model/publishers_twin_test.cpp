@@ -204,7 +204,7 @@ class PublishersTwin : public testing::Test {
 
   std::mt19937_64 random_{0};
   RandomWorld make_{random_};
-  service::PublisherLimits limits_{.parked_batches = 3};
+  service::PublisherLimits limits_{.parked_batches = 3, .forget_after_ns = 100'000'000};
   World world_{WorldOptions{}};
   Publishers publishers_{world_, limits_};
   PlainPublishers plain_{limits_};

@@ -8,6 +8,7 @@
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/distance/half_space.hpp"
 #include "server/exact_phase/given/given_overlap.hpp"
+#include "server/exact_phase/given/given_ray.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/geometry/placing_error.hpp"
@@ -56,6 +57,45 @@ bool earlier(const Snapshot& snapshot, const Ray& ray, const RayFound& a, const 
   return precedes(snapshot, a.hit, b.hit);
 }
 
+/// Of the triangle, or of all primitives that the part is one of.
+double placing_of_object(const Snapshot& snapshot, const Part& part, const Aabb& asked) {
+  if (part.frame == nullptr) return 0;
+  const Placed object{.info = (*snapshot.objects)[slot_of(part.object)].get(), .frame = *part.frame, .bounds = {}};
+  return placing_error_m(object, part.triangle, asked);
+}
+
+GivenPart given(const Part& part) {
+  if (part.pose == nullptr) return {};
+  if (const auto* triangle = std::get_if<Triangle>(&part.own))
+    return {.own = *triangle, .pose = part.pose, .frame = part.frame.get()};
+  return {.own = &std::get<Primitive>(part.own), .pose = part.pose, .frame = part.frame.get()};
+}
+
+ConvexPart placed(const Part& part) {
+  return std::visit([](const auto& shape) -> ConvexPart { return shape; }, part.shape);
+}
+
+/// Whether the ray meets the part for the numbers given: by rationals, wherever double has it within a sphere about the part.
+bool meets(const Ray& ray, const Part& part, RayHit& hit) {
+  const GivenPart as_given = given(part);
+  const double off_m = as_given.placing_error_m(ray.origin.lpNorm<1>());
+  const ConvexPart in_world = placed(part);
+  const ExactResult found = std::visit(
+      [&](const auto& shape) {
+        return cast_ray_as_given(
+            ray, shape, off_m, [&] { return as_given; }, hit);
+      },
+      part.shape);
+  if (off_m == 0) return found.yes();
+  const Aabb box = bounds_of_part(in_world);
+  const Vec3 middle = (box.low + box.high) / 2;
+  const double passes_m = (middle - ray.origin).cross(ray.direction).norm() / ray.direction.norm();
+  if (passes_m > (box.high - box.low).norm() && half_space_of(in_world) == nullptr) return found.yes();
+  RayHit unread;
+  const ExactResult exact = ray_as_given(ray, in_world, as_given, off_m, found, unread);
+  return exact.yes();
+}
+
 std::vector<AnswerHit> ray(const std::vector<Part>& parts, const Snapshot& snapshot, const Questions& questions,
                            const double* n) {
   const Ray asked{.origin = {n[0], n[1], n[2]}, .direction = {n[3], n[4], n[5]}, .length_m = n[6]};
@@ -63,8 +103,7 @@ std::vector<AnswerHit> ray(const std::vector<Part>& parts, const Snapshot& snaps
   for (const Part& part : parts) {
     if (!may_answer(snapshot, questions, part.object)) continue;
     RayHit hit;
-    const ExactResult verdict = std::visit([&](const auto& shape) { return cast_ray(asked, shape, hit); }, part.shape);
-    if (!verdict.yes()) continue;
+    if (!meets(asked, part, hit)) continue;
     AnswerHit answer{.object = part.object, .triangle = part.triangle};
     answer.flags = hit.inside ? kInside : 0;
     answer.distance_m = hit.distance_m;
@@ -88,24 +127,6 @@ std::vector<AnswerHit> ray(const std::vector<Part>& parts, const Snapshot& snaps
     return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : precedes(snapshot, a, b);
   });
   return hits;
-}
-
-/// Of the triangle, or of all primitives that the part is one of.
-double placing_of_object(const Snapshot& snapshot, const Part& part, const Aabb& asked) {
-  if (part.frame == nullptr) return 0;
-  const Placed object{.info = (*snapshot.objects)[slot_of(part.object)].get(), .frame = *part.frame, .bounds = {}};
-  return placing_error_m(object, part.triangle, asked);
-}
-
-GivenPart given(const Part& part) {
-  if (part.pose == nullptr) return {};
-  if (const auto* triangle = std::get_if<Triangle>(&part.own))
-    return {.own = *triangle, .pose = part.pose, .frame = part.frame.get()};
-  return {.own = &std::get<Primitive>(part.own), .pose = part.pose, .frame = part.frame.get()};
-}
-
-ConvexPart placed(const Part& part) {
-  return std::visit([](const auto& shape) -> ConvexPart { return shape; }, part.shape);
 }
 
 /// Whether two parts meet for the numbers given: by rationals wherever their bounds meet, or are apart by no more than
@@ -164,19 +185,16 @@ std::vector<AnswerHit> near(const std::vector<Part>& parts, const Snapshot& snap
   for (const Part& part : parts) {
     if (!may_answer(snapshot, questions, part.object)) continue;
     const Closest found = std::visit([&](const auto& shape) { return closest(point, shape); }, part.shape);
-    const bool within = std::visit(
-        [&](const auto& shape) {
-          return std::isinf(n[3]) || overlaps(Sphere{.center = point, .radius_m = n[3]}, shape).yes();
-        },
-        part.shape);
-    if (!within) continue;
+    const auto is_within = [&](double radius_m) {
+      return meet(Primitive(Sphere{.center = point, .radius_m = radius_m}), {}, placed(part), given(part));
+    };
+    if (!std::isinf(n[3]) && !is_within(n[3])) continue;
     AnswerHit hit{.object = part.object, .triangle = part.triangle};
-    const bool is_solid = !std::holds_alternative<Triangle>(part.shape);
-    hit.flags = is_solid && found.distance_m == 0 && found.distance_error_m == 0 ? kInside : 0;
-    hit.distance_m = found.distance_m;
-    hit.error_m =
-        with_underflow(found.distance_m, found.distance_error_m + (found.distance_m > 0 ? part.placing_m(point) : 0));
-    hit.point = found.point;
+    const bool is_held = !std::holds_alternative<Triangle>(part.shape) && is_within(0);
+    hit.flags = is_held ? kInside : 0;
+    hit.distance_m = is_held ? 0 : found.distance_m;
+    hit.error_m = is_held ? 0 : with_underflow(found.distance_m, found.distance_error_m + part.placing_m(point));
+    hit.point = is_held ? point : found.point;
     hit.normal = found.normal;
     const auto [place, is_new] = nearest.emplace(part.object, hit);
     if (!is_new &&
@@ -272,7 +290,7 @@ std::set<std::pair<ObjectId, ObjectId>> touching_pairs(const Snapshot& snapshot)
       const ObjectId b = std::max(parts[i].object, parts[j].object);
       const ObjectInfo& info_a = *(*snapshot.objects)[slot_of(a)];
       const ObjectInfo& info_b = *(*snapshot.objects)[slot_of(b)];
-      if (a == b || (!info_a.moving && !info_b.moving) || !may_meet(info_a.filter, info_b.filter)) continue;
+      if (a == b || (!info_a.moving && !info_b.moving) || !may_meet(info_a, info_b)) continue;
       if (meet(placed(parts[i]), given(parts[i]), placed(parts[j]), given(parts[j]))) pairs.emplace(a, b);
     }
   }

@@ -237,6 +237,39 @@ Wide distance(const Figure& a, const Figure& b) {
   return apart > 0 ? apart : Wide(0);
 }
 
+Point turned(const Quat& q, const Point& v) {
+  const Point u{Rational(q.x()), Rational(q.y()), Rational(q.z())};
+  const Rational w(q.w());
+  const Point across{u[1] * v[2] - u[2] * v[1], u[2] * v[0] - u[0] * v[2], u[0] * v[1] - u[1] * v[0]};
+  const Point sum = (w * w - dot(u, u)) * v + Rational(2 * dot(u, v)) * u + Rational(2 * w) * across;
+  return Rational(1 / Rational(w * w + dot(u, u))) * sum;
+}
+
+Point turned_back(const Quat& q, const Point& v) { return turned(q.conjugate(), v); }
+
+Figure placed(Figure figure, const Pose& pose) {
+  for (Face& face : figure.faces) {
+    face.origin = turned(pose.rotation, face.origin) + exact(pose.position);
+    for (Point& direction : face.directions) direction = turned(pose.rotation, direction);
+  }
+  return figure;
+}
+
+Figure swept(const Figure& figure, const Point& way) {
+  Figure result = figure;
+  for (Face face : figure.faces) {
+    // What is inside at first is passed by the border, or stays inside.
+    if (face.directions.size() < 3) {
+      Face passed = face;
+      passed.directions.push_back(way);
+      result.faces.push_back(passed);
+    }
+    face.origin = face.origin + way;
+    result.faces.push_back(face);
+  }
+  return result;
+}
+
 Figure shifted(Figure figure, const Point& by) {
   for (Face& face : figure.faces) face.origin = face.origin + by;
   return figure;

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "server/geometry/pose.hpp"
 #include "server/geometry/ray.hpp"
 #include "server/geometry/shapes.hpp"
 
@@ -55,6 +56,13 @@ bool overlaps_by_clipping(const Triangle& a, const Triangle& b, const Point& shi
 Wide distance(const Figure& a, const Figure& b);
 
 Figure shifted(Figure figure, const Point& by);
+/// q v q* / |q|^2, and back.
+Point turned(const Quat& q, const Point& v);
+Point turned_back(const Quat& q, const Point& v);
+/// The figure of a shape in its own frame where the pose has it, not rounded.
+Figure placed(Figure figure, const Pose& pose);
+/// All that a figure without triangles covers during a translation.
+Figure swept(const Figure& figure, const Point& way);
 /// Length of the shortest translation that parts two figures without radii, when they share a point: the nearest plane
 /// through three points of the Minkowski difference that has all others on one side. Plain double.
 double part_length(const Figure& a, const Figure& b);

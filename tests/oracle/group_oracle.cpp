@@ -50,7 +50,7 @@ std::vector<PlainClearance> plain_clearances(const Snapshot& snapshot, const std
       const ObjectInfo& info_a = *(*snapshot.objects)[slot_of(a)];
       const ObjectInfo& info_b = *(*snapshot.objects)[slot_of(b)];
       if (a == b || !seen.insert(std::minmax(a, b)).second) continue;
-      if (!with_filtered && !may_meet(info_a.filter, info_b.filter)) continue;
+      if (!with_filtered && !may_meet(info_a, info_b)) continue;
       if (parts[a].empty() || parts[b].empty()) continue;
       PlainClearance pair = plain_clearance(parts[a], parts[b]);
       pair.a = a;

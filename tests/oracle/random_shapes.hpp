@@ -90,6 +90,18 @@ class RandomShapes {
     }
     return {std::make_shared<const TriangleMesh>(std::move(*mesh))};
   }
+  /// Of the kinds 0 to 6: sphere, box, capsule, hull, cylinder, cone, ellipsoid.
+  Primitive solid(int kind) {
+    switch (kind) {
+      case 0: return sphere();
+      case 1: return box();
+      case 2: return capsule();
+      case 3: return hull();
+      case 4: return cylinder();
+      case 5: return cone();
+      default: return ellipsoid();
+    }
+  }
   Ray ray(bool limited) {
     Ray ray{point(), point() - point()};
     while (ray.direction.isZero(0)) ray.direction = point() - point();

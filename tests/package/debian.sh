@@ -113,17 +113,16 @@ read -ra start < <(sed -n 's/^ExecStart=//p' "$unit")
 read -ra environment < <(sed -n 's/^Environment=//p' "$unit")
 mkdir "$clean/var/lib/private/collided"
 ln -s private/collided "$clean/var/lib/collided"
-# Domain 230, the last: other scripts have theirs below, and recording/foreign_reader this one, but not in this network.
-(in_root /usr/bin/env "${environment[@]}" COLLIDED_DOMAIN=230 "${start[@]}") >"$work/server.out" 2>&1 &
+(in_root /usr/bin/env "${environment[@]}" COLLIDED_DOMAIN="$COLLIDED_DOMAIN" "${start[@]}") >"$work/server.out" 2>&1 &
 server=$!
 for ((i = 0; i < 400; ++i)); do
   grep -qs '^ready' "$work/server.out" && break
   sleep 0.05
 done
-answer=$(in_root /usr/bin/env COLLIDED_DOMAIN=230 collide ray 0 0 5  0 0 -1 --fields answer,object) || {
+answer=$(in_root /usr/bin/env COLLIDED_DOMAIN="$COLLIDED_DOMAIN" collide ray 0 0 5  0 0 -1 --fields answer,object) || {
   cat "$work/server.out"; fail "no answer"; }
 [[ $answer == $'hit\twarehouse/shelf_3/top' ]] || fail "the packages' programs answer '$answer'"
-answer=$(in_root /usr/bin/env COLLIDED_DOMAIN=230 /usr/bin/python3 -c 'import collided
+answer=$(in_root /usr/bin/env COLLIDED_DOMAIN="$COLLIDED_DOMAIN" /usr/bin/python3 -c 'import collided
 print(collided.connect().ray((0, 0, 5), (0, 0, -1)).hits[0].object)') || fail "Python has no client"
 [[ $answer == warehouse/shelf_3/top ]] || fail "Python got '$answer'"
 find "$clean/usr/lib/python3" -name __pycache__ -newer "$work/before" -prune -exec rm -r {} +

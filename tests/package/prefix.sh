@@ -66,8 +66,7 @@ done
 bash -c "source '$prefix/share/bash-completion/completions/collide' && complete -p collide" | grep -q _collide ||
   fail "bash has no completion for collide"
 
-# Domain 230, the last, as recording/foreign_reader: in a network of its own, else ctest runs them one after the other.
-export COLLIDED_DOMAIN=230 COLLIDED_STATE_DIR=$scratch/state
+export COLLIDED_STATE_DIR=$scratch/state
 "$prefix/bin/collided" --config "$prefix/etc/collided/collided.toml" >"$scratch/server.out" 2>&1 &
 server=$!
 for ((i = 0; i < 400; ++i)); do

@@ -63,6 +63,36 @@ TEST(FlightOpening, IsTheNewestOfEachObjectWhateverTheOrder) {
   EXPECT_EQ(all.newest, 7U);
 }
 
+// A publisher's gap is said once, at its beginning; a replay of what came later needs it. Signs of life do not date poses.
+TEST(FlightOpening, HasThePublishersGapAndTheTimeOfItsPoses) {
+  FlightOpening opening;
+  dds::Sample<wire::Definition> itself = definition(7, wire_contract::kPublisherItself, 1, true);
+  itself->position[0] = 2;
+  opening.fold(*itself);
+  opening.fold(*definition(7, 0, 2));
+  dds::Sample<wire::PoseBatch> posed = batch(7, 3, 0, 5);
+  posed->source_time_ns = 1'000;
+  opening.fold(*posed);
+  dds::Sample<wire::PoseBatch> alive;
+  alive->publisher = 7;
+  alive->incarnation = posed->incarnation;
+  alive->source_time_ns = 2'000;
+  alive->flags = wire_contract::kStreamed;
+  opening.fold(*alive);
+  std::vector<double> gaps_s;
+  std::vector<std::int64_t> times_ns;
+  opening.write([&](Recorded topic, std::span<const std::byte> data) {
+    dds::Sample<wire::Definition> said;
+    dds::Sample<wire::PoseBatch> poses;
+    if (topic == Recorded::object && wire::read_cdr(data, said) &&
+        said->object_number == wire_contract::kPublisherItself)
+      gaps_s.push_back(said->position[0]);
+    if (topic == Recorded::pose && wire::read_cdr(data, poses)) times_ns.push_back(poses->source_time_ns);
+  });
+  EXPECT_EQ(gaps_s, std::vector<double>{2});
+  EXPECT_EQ(times_ns, std::vector<std::int64_t>{1'000});
+}
+
 // Definitions and poses are on topics of their own, either may overtake the other.
 TEST(FlightOpening, APoseMayComeBeforeItsObject) {
   FlightOpening opening;
@@ -120,12 +150,14 @@ TEST(FlightOpening, ANewLifeOfAPublisherReplacesTheOld) {
   EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{1, 1}}));
 }
 
-void tell(FlightOpening& opening, const std::vector<std::pair<std::uint64_t, wire_contract::PublisherState>>& listed) {
+void tell(FlightOpening& opening, const std::vector<std::pair<std::uint64_t, wire_contract::PublisherState>>& listed,
+          std::int64_t time_ns = 0) {
   std::vector<std::uint64_t> publishers;
   std::vector<std::uint8_t> states;
   for (const auto& [publisher, state] : listed)
     publishers.push_back(publisher), states.push_back(static_cast<std::uint8_t>(state));
   dds::Sample<wire::Status> status;
+  status->world_time_ns = time_ns;
   dds::borrow(status->publishers, publishers);
   dds::borrow(status->publisher_states, states);
   opening.fold(*status);
@@ -161,6 +193,16 @@ TEST(FlightOpening, ALostPublishersObjectsGoAsItWishedAndComeBackWithIt) {
   EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{1, 2}}));
   tell(opening, {{7, PublisherState::alive}});
   EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{0, 1}, {1, 2}}));
+}
+
+TEST(FlightOpening, ALostPublishersObjectsAreThereUntilTheyAreForgotten) {
+  FlightOpening opening(5'000);
+  opening.fold(*definition(7, 0, 1));
+  tell(opening, {{7, PublisherState::lost}}, 10'000);
+  tell(opening, {{7, PublisherState::lost}}, 14'999);
+  EXPECT_EQ(written(opening).objects.size(), 1U);
+  tell(opening, {{7, PublisherState::lost}}, 15'000);
+  EXPECT_TRUE(written(opening).objects.empty());
 }
 
 // A thousand publishers have room; those that came and went do not take it from the next.
@@ -203,6 +245,16 @@ TEST(FlightOpening, CommandsThatUndoEachOtherTakeNoRoom) {
   ask(opening, R"({"command":"clear"})");
   EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"clear"})"}))
       << "the scenes of the start are gone too";
+}
+
+// The names of what a glob removes may be more than one sample of an answer holds, so that its text ends anywhere.
+TEST(FlightOpening, ProbesThatWereRemovedStayAwayHoweverLongTheAnswer) {
+  FlightOpening opening;
+  for (const char* name : {"ear_1", "ear_2", "nose"})
+    ask(opening, R"({"command":"probe","object":"crate","name":")" + std::string(name) + "\"}");
+  ask(opening, R"({"command":"probe","name":"ear_*","remove":true})", R"({"probes":["ear_1","ea)");
+  EXPECT_EQ(written(opening).commands,
+            (std::vector<std::string>{R"({"command":"probe","object":"crate","name":"nose"})"}));
 }
 
 TEST(FlightOpening, HasTheRulesThatStandInTheirOrder) {

@@ -1,5 +1,6 @@
 // The ring of what came in, the window kept of it, and the file written from them.
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <atomic>
@@ -180,6 +181,23 @@ TEST(FlightRecorder, AFileBeginsWithTheStateBeforeItsWindow) {
   EXPECT_EQ(before->positions._buffer[0], 0.5);
   EXPECT_EQ(after->positions._buffer[0], 0.75);
   EXPECT_EQ(file.dropped, 0U);
+}
+
+// What was written of a file that found no room stayed, and kept the room that the journal needs.
+TEST(FlightRecorder, AFileThatDoesNotFitLeavesNothing) {
+  const Folder folder;
+  FlightRecorder recorder("hall", 60'000'000'000, folder.stem());
+  for (std::uint64_t i = 1; i <= 100; ++i) recorder.note(Recorded::pose, *batch(7, i, 1, 0.5));
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const rlimit small{.rlim_cur = 4'096, .rlim_max = before.rlim_max};
+  const auto handled = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &small), 0);
+  EXPECT_THROW(recorder.write("a", 60'000'000'000), std::runtime_error);
+  ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+  std::signal(SIGXFSZ, handled);
+  EXPECT_FALSE(std::filesystem::exists(folder.stem() + "_a.mcap"));
+  EXPECT_GT(recorder.write("a", 60'000'000'000).bytes, 4'096U) << "with room it is written";
 }
 
 TEST(FlightRecorder, WithoutAFolderItSaysSo) {

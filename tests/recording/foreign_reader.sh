@@ -7,8 +7,7 @@ collided=${1:?collided} collide=${2:?collide} here=$(cd "$(dirname "${BASH_SOURC
 command -v node >/dev/null || { echo "skipped: no node"; exit 77; }
 cd "${COLLIDED_NODE_DIR:-.}"
 scratch=$(mktemp -d)
-# Above 200 are the domains of scripts: 201 to 215 of README and the guides, 216 to 229 of the demo.
-export COLLIDED_DOMAIN=230 COLLIDED_STATE_DIR=$scratch
+export COLLIDED_STATE_DIR=$scratch
 "$collided" >"$scratch/server.out" 2>&1 &
 server=$!
 trap 'kill -TERM $server 2>/dev/null; wait $server 2>/dev/null; rm -rf "$scratch"' EXIT

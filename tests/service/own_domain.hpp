@@ -9,7 +9,7 @@
 
 namespace collided::testing_support {
 
-/// A DDS domain from 101 to 190 that no other test process uses while this one lives; those above are the scripts'.
+/// A DDS domain from 101 to 190 that no other test process uses while this one lives; tests/in_own_domain.py claims those above.
 inline int own_domain() {
   constexpr int kFirst = 101;
   constexpr int kCount = 90;

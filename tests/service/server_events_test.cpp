@@ -80,7 +80,7 @@ TEST_F(ServerEvents, PosesInAHurryAreEachLookedAt) {
 }
 
 TEST_F(ServerEvents, APublisherThatOffersALongLeaseMayBeSilent) {
-  start();
+  start({"--forget-after", "0"});
   Client client = connect();
   for (const std::chrono::nanoseconds lease : std::initializer_list<std::chrono::nanoseconds>{99ms, 25h, -1s}) {
     const Result<Publisher> refused = client.publish("refused", {.lease = lease});
@@ -101,8 +101,37 @@ TEST_F(ServerEvents, APublisherThatOffersALongLeaseMayBeSilent) {
   EXPECT_EQ(ended, std::vector<std::string>{"gone"});
 }
 
+// Silence is not absence: until its objects leave, what they could change is undecided, and flush() reports the loss.
+TEST_F(ServerEvents, ASilentPublishersPlaceIsNotCalledFreeBeforeItIsForgotten) {
+  start({"--forget-after", "1s"});
+  Client client = connect();
+  Publisher publisher = publish(client, "tracker", 300ms);
+  const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 3));
+  move(publisher, ball, at(6, 0, 3));
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  const auto ask = [&] { return client.ask(SphereQuestion{.center = {6, 0, 3}, .radius_m = 0.05}); };
+  Result<Answer> answer = ask();
+  ASSERT_EQ(answer->verdict, Verdict::hit);
+  const auto began = std::chrono::steady_clock::now();
+  bool was_stale = false;
+  while ((answer = ask())->verdict != Verdict::miss) {
+    was_stale = was_stale || (answer->verdict == Verdict::hit ? !answer->hits.empty() && answer->hits[0].stale
+                                                              : answer->reason == UndecidedReason::stale_object);
+    ASSERT_LT(std::chrono::steady_clock::now() - began, 20s);
+  }
+  EXPECT_TRUE(was_stale);
+  EXPECT_GE(std::chrono::steady_clock::now() - began, 1s);
+  ASSERT_TRUE(publisher.move(ball, at(6, 0, 3)));
+  const Result<FlushReport> flushed = publisher.flush();
+  ASSERT_TRUE(flushed);
+  EXPECT_NE(flushed->lost.find("publisher 'tracker' was silent for "), std::string::npos) << flushed->lost;
+  EXPECT_NE(flushed->lost.find("publish with a longer lease"), std::string::npos) << flushed->lost;
+  ASSERT_TRUE(publisher.wait_applied(5s));
+  EXPECT_EQ(client.ask(SphereQuestion{.center = {6, 0, 3}, .radius_m = 0.05}, {.fresh = true})->verdict, Verdict::hit);
+}
+
 TEST_F(ServerEvents, ASilentPublishersContactsEnd) {
-  start();
+  start({"--forget-after", "1s"});
   Client client = connect();
   Watch events = watch(client);
   Publisher publisher = publish(client, "silent", 500ms);
@@ -112,6 +141,12 @@ TEST_F(ServerEvents, ASilentPublishersContactsEnd) {
   const Event ended = next(events, 3s);  // says nothing more: its lease runs out after 0.5 s
   EXPECT_EQ(ended.kind, EventKind::ended);
   EXPECT_EQ(ended.reason, EndReason::publisher_lost);
+  const Event doubted = next(events);
+  EXPECT_EQ(doubted.kind, EventKind::began);
+  EXPECT_EQ(doubted.doubt, Doubt::publisher_lost) << "it may have moved on";
+  const Event left = next(events, 5s);
+  EXPECT_EQ(left.kind, EventKind::ended);
+  EXPECT_EQ(left.reason, EndReason::publisher_lost);
   EXPECT_EQ(client.ask(SphereQuestion{.center = {6, 0, 0.5}, .radius_m = 0.4})->verdict, Verdict::miss);
   // Back again: what it had is in the world again, where it was.
   move(publisher, ball, at(6, 0, 0.05));

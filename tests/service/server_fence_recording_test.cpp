@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <csignal>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -371,6 +372,24 @@ class ReplayedFences : public ServerFenceRecording {
     servers_.back()->signal(SIGTERM);
     EXPECT_EQ(servers_.back()->wait(15s), 0);
   }
+  /// Fetches the flight recording over the client's own connection: the first question of another one may pass before a
+  /// recorder hears it, and would be counted as lost.
+  static void fetch_over(Client& client, const std::string& file) {
+    const auto ask = [&](const nlohmann::json& arguments) {
+      const Result<std::string> answer = client.command("recording", arguments.dump());
+      EXPECT_TRUE(answer) << answer.error().message;
+      return answer ? *answer : std::string();
+    };
+    const nlohmann::json made = nlohmann::json::parse(ask({{"last_s", 0}}), nullptr, false);
+    ASSERT_TRUE(made.is_object() && made.contains("bytes")) << made;
+    std::string bytes;
+    while (bytes.size() < made["bytes"]) {
+      const std::string page = ask({{"number", made["number"]}, {"offset", bytes.size()}});
+      ASSERT_FALSE(page.empty()) << "at byte " << bytes.size() << " of " << made["bytes"];
+      bytes += page;
+    }
+    std::ofstream(file, std::ios::binary) << bytes;
+  }
   /// Replays quickly; returns what stood at the replay's end.
   std::map<std::string, nlohmann::json> replayed(const std::string& file, std::uint64_t fences) {
     std::map<std::string, nlohmann::json> at_end;
@@ -416,7 +435,7 @@ TEST_F(ReplayedFences, StandAsTheyStoodWhereARecordingIsReplayed) {
         {.name = "late", .prism = Prism{.corners = {{0, 0}, {1, 0}, {0, 1}}, .low_m = 0, .high_m = 2}, .keep = true}));
     before = standing(client);
     ASSERT_EQ(before.size(), 3U + 3U + 301U);
-    ASSERT_TRUE(fetch_recording(here(), 0s, last));
+    fetch_over(client, last);
     other.reset();
     ASSERT_TRUE(test::eventually([&] { return standing(client).size() == 304; }));
     after = standing(client);

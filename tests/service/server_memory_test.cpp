@@ -82,6 +82,15 @@ TEST_F(ServerMemory, WithoutItInTheWorldsThreadTheServerEndsInALineAndTheNextOne
   EXPECT_EQ(other.ask(RayQuestion{.origin = {15, 15, 1}, .direction = {0, 0, 1}})->verdict, Verdict::miss);
 }
 
+// DDS aborts where it gets none, and says nothing.
+TEST_F(ServerMemory, AnAbortIsReportedInALine) {
+  testing_support::ChildProcess& server = start();
+  server.signal(SIGABRT);
+  EXPECT_EQ(server.wait(5s), 128 + SIGABRT);
+  EXPECT_NE(server.errors().find("error: ended by abort(), which DDS calls where it gets no memory"), std::string::npos)
+      << server.errors();
+}
+
 // A file that clients sent is read again after a crash. One that found no memory then is told as a loss, and kept for a
 // start that does.
 TEST_F(ServerMemory, AnUploadThatFindsNoneAtOneStartIsThereAtTheNext) {

@@ -40,6 +40,10 @@ class ServerRecording : public testing_support::ServerTest {
         std::make_unique<ChildProcess>(words, folder_.path(), "record" + std::to_string(children_.size())));
     return *children_.back();
   }
+  static bool is_owners_alone(const std::string& path) {
+    using std::filesystem::perms;
+    return (std::filesystem::status(path).permissions() & (perms::group_all | perms::others_all)) == perms::none;
+  }
   /// Until so many samples of the topic are in chunks on the disk.
   static bool has(const std::string& file, const std::string& topic, std::size_t count) {
     std::error_code error;
@@ -550,6 +554,16 @@ TEST_F(ServerRecording, ASignalWritesTheFlightRecorder) {
   const std::string file = said.substr(begin, said.find(".mcap", begin) + 5 - begin);
   const std::vector<std::byte> bytes = mcap::read_file(file, 1 << 30);
   EXPECT_TRUE(mcap::read(bytes).complete);
+  EXPECT_TRUE(is_owners_alone(file));
+}
+
+// With keys the traffic is encrypted; the files held it in the clear for every user of the machine.
+TEST_F(ServerRecording, AStateFolderThatTheServerMakesIsItsUsersAlone) {
+  const std::string folder = path("made");
+  ChildProcess server({COLLIDED_SERVER, "--domain", domain(), "--state-dir", folder}, folder_.path(), "made_by");
+  ASSERT_TRUE(server.says("ready:", 20s)) << server.errors();
+  EXPECT_TRUE(is_owners_alone(folder));
+  for (const auto& entry : std::filesystem::directory_iterator(folder)) EXPECT_TRUE(is_owners_alone(entry.path()));
 }
 
 TEST_F(ServerRecording, AServerThatFailsLeavesAFile) {
@@ -568,6 +582,7 @@ TEST_F(ServerRecording, AServerThatFailsLeavesAFile) {
     if (entry.path().string().ends_with("_crash.mcap")) file = entry.path();
   }
   ASSERT_NE(file, "");
+  EXPECT_TRUE(is_owners_alone(file));
   EXPECT_TRUE(has(file, "collided/query_v2", 2)) << "hello and a ray";
   EXPECT_TRUE(has(file, "collided/reply_v2", 2));
 }

@@ -1,5 +1,6 @@
 // A second server holds the same world as the first, and says nothing.
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <csignal>
 #include <functional>
@@ -7,6 +8,7 @@
 #include <memory>
 #include <set>
 #include <string>
+#include <thread>
 #include <vector>
 
 #include "collided/commands.hpp"
@@ -143,6 +145,36 @@ TEST_F(ServerStandby, AWorldThatDiffersIsAnAlarmThatNamesTheObject) {
   EXPECT_NE(standby.errors().find("the world is not the primary's: object '"), std::string::npos) << standby.errors();
   EXPECT_EQ(members()["standby"].state, "recovering");
   EXPECT_EQ(primary.errors().find("two primaries"), std::string::npos);
+}
+
+// At each instant that is compared some command may be done by one of the two alone.
+TEST_F(ServerStandby, ItStaysReadyWhileCommandsGoOn) {
+  start({"--member", "primary"});
+  ChildProcess& standby = start_standby();
+  EXPECT_TRUE(come_to_agree()) << last_;
+  std::atomic<bool> is_over{false};
+  std::vector<std::thread> commanders;
+  for (int who = 0; who < 4; ++who) {
+    commanders.emplace_back([&, who] {
+      Client client = connect();
+      for (int i = 0; !is_over.load(); ++i) {
+        const std::string name = std::to_string(who) + '_' + std::to_string(i);
+        EXPECT_TRUE(client.add({.name = name, .shape = {SphereShape{.radius_m = 0.1}}, .pose = at(who, i % 100, 50)}));
+        EXPECT_TRUE(client.remove(name));
+      }
+    });
+  }
+  int looks = 0;
+  const auto until = std::chrono::steady_clock::now() + 6s;
+  for (; std::chrono::steady_clock::now() < until; ++looks) {
+    const FleetMember seen = members()["standby"];
+    EXPECT_EQ(seen.state, "ready") << seen.alarm;
+  }
+  is_over.store(true);
+  for (std::thread& commander : commanders) commander.join();
+  EXPECT_GT(looks, 0);
+  EXPECT_EQ(standby.errors().find("differs first"), std::string::npos) << standby.errors();
+  EXPECT_TRUE(come_to_agree()) << last_;
 }
 
 TEST_F(ServerStandby, WhatItCannotDoIsAnAlarm) {

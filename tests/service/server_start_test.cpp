@@ -50,6 +50,16 @@ TEST_F(ServerStart, ConfigErrorsSayWhereAndWhatWasMeant) {
   EXPECT_EQ(refused("[server]\nthreads = \n").substr(0, 28), "error: FILE line 2, column 1");
 }
 
+TEST_F(ServerStart, TheCheckNamesEverySceneThatCannotBeRead) {
+  const std::string scene = folder_.write("cell.csv", "name,x,y,z,sx,sy,sz\ntank,0,0,0,1,1,1\n");
+  const Ended ended = run({"--check-config", "/nowhere/a.obj", scene, "/nowhere/b.obj"});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_EQ(ended.errors,
+            "error: scene '/nowhere/a.obj': No such file or directory\n"
+            "error: scene '/nowhere/b.obj': No such file or directory\n");
+  EXPECT_EQ(run({"--check-config", scene}).code, 0);
+}
+
 // The file that is shipped says what holds without it.
 TEST_F(ServerStart, TheShippedConfigHoldsTheDefaults) {
   const auto without_origins = [](const std::string& text) {

@@ -30,6 +30,23 @@ void expect_ends_in_order(testing_support::ChildProcess& server) {
   EXPECT_LT(std::chrono::steady_clock::now() - stopped, 6s);
 }
 
+// Beside a server that hangs, on a machine with more to do than it can, 2 s were a minute.
+TEST_F(ServerStopping, AWaitThatIsALimitIsNotStretched) {
+  testing_support::ChildProcess& server = start();
+  server.signal(SIGSTOP);
+  std::vector<std::jthread> crowd;
+  for (unsigned i = 0; i < 4 * std::max(1U, std::thread::hardware_concurrency()); ++i)
+    crowd.emplace_back([](const std::stop_token& stop) {
+      while (!stop.stop_requested()) {}
+    });
+  const auto began = std::chrono::steady_clock::now();
+  const Result<Client> client = Client::connect({.domain = domain_, .wait = 500ms, .wait_is_limit = true});
+  EXPECT_LT(std::chrono::steady_clock::now() - began, 5s) << "30 times as long without";
+  EXPECT_FALSE(client);
+  crowd.clear();
+  server.signal(SIGCONT);
+}
+
 // A batch that would take a quarter of a minute is in work.
 TEST_F(ServerStopping, DoesNotWaitForCostlyBatches) {
   testing_support::ChildProcess& server = start({"--threads", "1"});

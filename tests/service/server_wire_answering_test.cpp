@@ -44,6 +44,7 @@ class WireClients : public testing::Test {
  protected:
   static constexpr std::uint64_t kClient = 0x77;
   static constexpr std::uint64_t kAsker = 5;
+  static constexpr std::uint64_t kProcess = 77;
   dds::Participant near_side{test::near_side()};
   dds::Participant far_side{test::far_side()};
   dds::Topic<wire::Reply> topic{far_side, test::own_namespace()};
@@ -55,7 +56,7 @@ class WireClients : public testing::Test {
 TEST_F(WireClients, WhoHasLeftIsNoLongerFoundReady) {
   Ears ears(near_side, kClient);
   EXPECT_EQ(clients.find_ready(kClient, kAsker), nullptr) << "nobody of that number has asked";
-  const std::shared_ptr<Client> met = clients.meet(kClient, kAsker);
+  const std::shared_ptr<Client> met = clients.meet(kClient, kAsker, kProcess);
   ASSERT_TRUE(met);
   ASSERT_TRUE(test::eventually([&] { return clients.find_ready(kClient, kAsker) == met.get(); }));
   EXPECT_EQ(clients.find_ready(kClient + 1, kAsker), nullptr);
@@ -66,7 +67,7 @@ TEST_F(WireClients, WhoHasLeftIsNoLongerFoundReady) {
   clients.forget_gone(std::span(still_there).first(1), steady_ns());
   EXPECT_EQ(clients.size(), 0U);
   EXPECT_EQ(clients.find_ready(kClient, kAsker), nullptr);
-  const std::shared_ptr<Client> again = clients.meet(kClient, kAsker);
+  const std::shared_ptr<Client> again = clients.meet(kClient, kAsker, kProcess);
   EXPECT_NE(again, met);
   EXPECT_EQ(clients.find_ready(kClient, kAsker), again.get());
 }
@@ -75,8 +76,8 @@ TEST_F(WireClients, WhoHasLeftIsNoLongerFoundReady) {
 TEST_F(WireClients, ClientsWhoseNumbersLookAlikeAreNotTakenForEachOther) {
   Ears ears(near_side, kClient);
   Ears other_ears(near_side, kClient + 16);
-  const std::shared_ptr<Client> one = clients.meet(kClient, kAsker);
-  const std::shared_ptr<Client> other = clients.meet(kClient + 16, kAsker);
+  const std::shared_ptr<Client> one = clients.meet(kClient, kAsker, kProcess);
+  const std::shared_ptr<Client> other = clients.meet(kClient + 16, kAsker, kProcess);
   ASSERT_TRUE(test::eventually([&] {
     return clients.find_ready(kClient, kAsker) == one.get() && clients.find_ready(kClient + 16, kAsker) == other.get();
   }));
@@ -87,29 +88,44 @@ TEST_F(WireClients, ClientsWhoseNumbersLookAlikeAreNotTakenForEachOther) {
 // goes on once the old one is gone.
 TEST_F(WireClients, ANumberIsItsFirstWritersForAsLongAsThatLives) {
   Ears ears(near_side, kClient);
-  const std::shared_ptr<Client> met = clients.meet(kClient, kAsker);
+  const std::shared_ptr<Client> met = clients.meet(kClient, kAsker, kProcess);
   ASSERT_TRUE(test::eventually([&] { return clients.find_ready(kClient, kAsker) == met.get(); }));
   EXPECT_EQ(clients.find_ready(kClient, kAsker + 1), nullptr);
-  EXPECT_EQ(clients.meet(kClient, kAsker + 1), nullptr);
+  EXPECT_EQ(clients.meet(kClient, kAsker + 1, kProcess), nullptr);
   EXPECT_EQ(clients.find_ready(kClient, kAsker), met.get());
   const std::uint64_t newer[] = {kAsker + 1};
   clients.forget_gone(newer, steady_ns());
   EXPECT_EQ(clients.size(), 0U);
-  EXPECT_NE(clients.meet(kClient, kAsker + 1), nullptr);
+  EXPECT_NE(clients.meet(kClient, kAsker + 1, kProcess), nullptr);
 }
 
 TEST_F(WireClients, OneWriterTakesNotAllNumbers) {
   std::size_t met = 0;
-  for (std::uint64_t number = 0; number < 3'000; ++number) met += clients.meet(number + 1, kAsker) ? 1 : 0;
+  for (std::uint64_t number = 0; number < 3'000; ++number) met += clients.meet(number + 1, kAsker, kProcess) ? 1 : 0;
   EXPECT_EQ(met, Clients::kMostOfOne);
-  EXPECT_NE(clients.meet(5'000, kAsker + 1), nullptr) << "others are met as before";
+  EXPECT_NE(clients.meet(5'000, kAsker + 1, kProcess), nullptr) << "others are met as before";
   clients.forget_gone({}, steady_ns());
   EXPECT_EQ(clients.size(), 0U) << "what a writer held goes with it";
 }
 
+// Twenty writers of one process took every place, and no new client was answered.
+TEST_F(WireClients, OneProcessTakesNotAllPlacesHoweverManyWritersItHas) {
+  std::uint64_t number = 0;
+  const auto meet = [&](std::uint64_t process) {
+    std::size_t met = 0;
+    for (std::uint64_t i = 0; i < 20 * Clients::kMostOfOne; ++i)
+      met += clients.meet(++number, 100 * process + i / Clients::kMostOfOne, process) ? 1 : 0;
+    return met;
+  };
+  EXPECT_EQ(meet(1), Clients::kMostOfParticipant);
+  EXPECT_EQ(clients.turned_away(), 20 * Clients::kMostOfOne - Clients::kMostOfParticipant);
+  for (std::uint64_t process = 2; process < 8; ++process) meet(process);
+  EXPECT_NE(clients.meet(++number, kAsker, kProcess), nullptr) << "the last places are for processes with few";
+}
+
 // Until somebody listens asks wait: the oldest goes where too many do, and none waits longer than its patience.
 TEST_F(WireClients, AsksOfAClientThatDoesNotListenYetWaitInOrderAndNotForEver) {
-  const std::shared_ptr<Client> met = clients.meet(kClient, kAsker);
+  const std::shared_ptr<Client> met = clients.meet(kClient, kAsker, kProcess);
   const std::int64_t now_ns = steady_ns();
   for (std::uint64_t i = 0; i < Clients::kMostWaiting + 3; ++i) {
     auto ask = std::make_unique<Ask>();
@@ -147,7 +163,7 @@ TEST_F(WireClients, AsksThatWaitAreBoundedInBytes) {
   std::size_t kept = 0;
   for (std::uint64_t i = 0; i < Clients::kMostOfOne; ++i) {
     AskPointer ask = large(i);
-    ASSERT_TRUE(clients.hold(*clients.meet(kClient + i, kAsker), ask));
+    ASSERT_TRUE(clients.hold(*clients.meet(kClient + i, kAsker, kProcess), ask));
     kept += ask ? 0 : 1;
     EXPECT_TRUE(!ask || ask->query->request == i) << "the one that does not fit is handed back";
   }
@@ -157,7 +173,7 @@ TEST_F(WireClients, AsksThatWaitAreBoundedInBytes) {
   for (std::uint64_t other = 1; other < 20; ++other) {
     for (std::uint64_t i = 0; i < 12; ++i) {
       AskPointer ask = large(i);
-      ASSERT_TRUE(clients.hold(*clients.meet(kClient + 100 * other, kAsker + other), ask));
+      ASSERT_TRUE(clients.hold(*clients.meet(kClient + 100 * other, kAsker + other, kProcess), ask));
       of_all += ask ? 0 : 1;
     }
   }
@@ -165,12 +181,12 @@ TEST_F(WireClients, AsksThatWaitAreBoundedInBytes) {
   clients.forget_gone({}, steady_ns() + Clients::kMatchPatienceNs + 1);
   EXPECT_EQ(clients.size(), 0U);
   AskPointer ask = large(0);
-  ASSERT_TRUE(clients.hold(*clients.meet(kClient, kAsker), ask));
+  ASSERT_TRUE(clients.hold(*clients.meet(kClient, kAsker, kProcess), ask));
   EXPECT_FALSE(ask) << "what was handed back takes no room";
 }
 
 TEST_F(WireClients, WhoNeverListensIsForgottenInTheEnd) {
-  const std::shared_ptr<Client> met = clients.meet(kClient, kAsker);
+  const std::shared_ptr<Client> met = clients.meet(kClient, kAsker, kProcess);
   const std::uint64_t there[] = {kAsker};
   const std::int64_t now_ns = steady_ns();
   clients.forget_gone(there, now_ns + Clients::kDeafPatienceNs - 1'000'000'000);
@@ -180,7 +196,7 @@ TEST_F(WireClients, WhoNeverListensIsForgottenInTheEnd) {
 }
 
 TEST_F(WireClients, TheNewestVersionThatWasToldStays) {
-  const std::shared_ptr<Client> met = clients.meet(kClient, kAsker);
+  const std::shared_ptr<Client> met = clients.meet(kClient, kAsker, kProcess);
   EXPECT_EQ(met->reported_version(), 0U);
   met->note_reported(5);
   met->note_reported(3);

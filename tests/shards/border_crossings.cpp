@@ -40,6 +40,7 @@ using namespace std::chrono_literals;
 using std::chrono::nanoseconds;
 
 constexpr int kObjects = 48;  // of each publisher
+constexpr int kSlowPeriod = 16;
 constexpr double kRange = 2;  // m, about the point where all shards meet
 constexpr auto kPatience = 60s;
 constexpr auto kTick = 15ms;
@@ -176,6 +177,7 @@ class BorderCrossings {
     std::optional<ShardedPublisher> sharded;
     std::vector<Walker> walkers;
     nanoseconds instant{0};
+    int period = 1;  // ticks
   };
 
   std::string write(const char* map, const std::string& name) {
@@ -230,7 +232,7 @@ class BorderCrossings {
 
   void frames_for(nanoseconds time, std::size_t shard) {
     for (const auto end = SteadyClock::now() + time; SteadyClock::now() < end; ++ticks_) {
-      for (Source& source : sources_) tick(source);
+      tick_all();
       take();
       ask(shard);
       std::this_thread::sleep_for(kFrame);
@@ -265,6 +267,8 @@ class BorderCrossings {
 
   void add_publisher(int number) {
     Source& source = sources_.emplace_back();
+    // What the first one moves may be far beyond a border when its pairs with the second one's objects are decided.
+    if (number == 1) source.period = kSlowPeriod;
     const std::string name = "publisher_" + std::to_string(number);
     source.whole.emplace(value_of(whole_->publish(name, {.lease = 60s}), "publish"));
     source.sharded.emplace(value_of(sharded_->publish(name, {.lease = 60s}), "publish"));
@@ -314,7 +318,7 @@ class BorderCrossings {
   template <class GoesOn>
   void go_while(const GoesOn& goes_on) {
     for (; goes_on(); ++ticks_) {
-      for (Source& source : sources_) tick(source);
+      tick_all();
       take();
       if (ticks_ % 20 == 0) wait_applied();
       if (ticks_ % 20 == 0 && shard_servers_.size() > map_.size()) ask_rays(*sharded_);
@@ -323,7 +327,7 @@ class BorderCrossings {
       for (Source& source : sources_) tick(source, true);
     }
     wait_applied();
-    const nanoseconds last = std::min(sources_[0].instant, sources_[1].instant);
+    const nanoseconds last = std::max(sources_[0].instant, sources_[1].instant);
     const auto is_settled = [&] {
       if (sharded_watch_->settled() >= last) return true;
       for (Source& source : sources_) flush(source);
@@ -404,6 +408,12 @@ class BorderCrossings {
       if (++differing_answers_ > kMostShown) continue;
       std::printf("a ray differs: verdict %d reason %d, of the shards %d reason %d\n", static_cast<int>(one.verdict),
                   static_cast<int>(one.reason), static_cast<int>(all.verdict), static_cast<int>(all.reason));
+    }
+  }
+
+  void tick_all() {
+    for (Source& source : sources_) {
+      if (ticks_ % source.period == 0) tick(source);
     }
   }
 

@@ -12,6 +12,8 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/studies/bench/clock.hpp"
+
 namespace collided::client {
 namespace {
 
@@ -138,6 +140,49 @@ TEST_F(MergedEpisodes, WhatIsRemovedEverywhereHasEnded) {
   EXPECT_EQ(told.back().reason, EndReason::removed);
 }
 
+// A contact is over in a shard for a reason that is the shard's own, while another shard holds it all the time.
+TEST_F(MergedEpisodes, AreNotEndedByOneShardForAReasonOfItsOwn) {
+  for (const std::size_t shard : {0, 1}) merge_.hear(shard, event_of(EventKind::began, 1'000, 0));
+  EXPECT_EQ(settle(1'500).size(), 1u);
+  std::int64_t at_ns = 2'000;
+  for (const EndReason own : {EndReason::server_stopping, EndReason::server_restarted, EndReason::publisher_lost,
+                              EndReason::teleported, EndReason::removed}) {
+    merge_.hear(1, event_of(EventKind::ended, at_ns, 0, own));
+    merge_.hear(1, event_of(EventKind::began, at_ns + 500, 0));
+    EXPECT_TRUE(settle(at_ns + 900).empty()) << "reason " << static_cast<int>(own);
+    at_ns += 1'000;
+  }
+  // The last shard that holds it reports its end.
+  merge_.hear(1, event_of(EventKind::ended, 8'000, 0, EndReason::server_stopping));
+  merge_.hear(0, event_of(EventKind::ended, 9'000, 0, EndReason::publisher_lost));
+  EXPECT_EQ(settle(10'000), (std::vector<ToldByMerge>{{EventKind::ended, 9'000, EndReason::publisher_lost}}));
+  EXPECT_EQ(merge_.open_contacts(), 0u);
+}
+
+TEST_F(MergedEpisodes, AreEndedByAnObjectThatJumpsInEveryShard) {
+  for (const std::size_t shard : {0, 1}) {
+    merge_.hear(shard, event_of(EventKind::began, 1'000, 0));
+    merge_.hear(shard, event_of(EventKind::ended, 2'000, 0, EndReason::teleported));
+    merge_.hear(shard, event_of(EventKind::began, 2'000, 0));
+  }
+  EXPECT_EQ(settle(20'000), (std::vector<ToldByMerge>{{EventKind::began, 1'000, EndReason::none},
+                                                      {EventKind::ended, 2'000, EndReason::teleported},
+                                                      {EventKind::began, 2'000, EndReason::none}}));
+}
+
+// An object of a lost publisher that stays (LostPolicy::freeze) puts the pair in doubt.
+TEST_F(MergedEpisodes, TurnIntoADoubtWhenAPublisherIsLost) {
+  for (const std::size_t shard : {0, 1}) merge_.hear(shard, event_of(EventKind::began, 1'000, 0));
+  merge_.hear(0, event_of(EventKind::ended, 2'000, 0, EndReason::publisher_lost));
+  Event doubt = event_of(EventKind::began, 2'000, 0);
+  doubt.doubt = Doubt::publisher_lost;
+  merge_.hear(0, doubt);
+  settle(20'000);
+  ASSERT_EQ(events_.size(), 3u);
+  EXPECT_EQ(events_[1].reason, EndReason::publisher_lost);
+  EXPECT_EQ(events_[2].doubt, Doubt::publisher_lost);
+}
+
 // What a shard said before it was forgotten holds nothing open, and what it has said of later is nothing.
 TEST_F(MergedEpisodes, WhatIsForgottenHoldsNothing) {
   for (const std::size_t shard : {0, 1}) merge_.hear(shard, event_of(EventKind::began, 1'000, 0));
@@ -162,6 +207,27 @@ TEST_F(MergedEpisodes, ANewShapeEndsAndBeginsInEveryShard) {
 }
 
 // One who begins to watch a shard is told what is open there, with the instant in which it was found.
+// While a shard is late with its answers, the events of a pair pile up. Processor time of this thread: other programs do not
+// count.
+TEST_F(MergedEpisodes, AreTakenInTimeProportionalToTheirNumber) {
+  const auto spent_s = [&](int count) {
+    const double before_s = bench::thread_seconds();
+    for (int i = 0; i < count; ++i) merge_.hear(0, event_of(i % 2 == 0 ? EventKind::began : EventKind::ended, i, -1));
+    settle(count);
+    const double after_s = bench::thread_seconds();
+    EXPECT_EQ(told_.size(), static_cast<std::size_t>(count));
+    return after_s - before_s;
+  };
+  constexpr int kFew = 4'000;
+  double few_s = spent_s(kFew);
+  double many_s = spent_s(8 * kFew);
+  for (int more = 0; more < 2; ++more) {
+    few_s = std::min(few_s, spent_s(kFew));
+    many_s = std::min(many_s, spent_s(8 * kFew));
+  }
+  EXPECT_LT(many_s, 3 * 8 * few_s) << "with a walk over all that waits it would be 64 times as long";
+}
+
 TEST_F(MergedEpisodes, WhatBeginsWhileAShardIsJoinedHasBegun) {
   Event open = event_of(EventKind::open, 1'000, 3);
   open.began = nanoseconds(1'000);

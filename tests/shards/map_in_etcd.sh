@@ -4,7 +4,6 @@
 set -euo pipefail
 collide=$1 collided=$2
 [[ -x /usr/bin/etcd ]] || exit 77
-export COLLIDED_DOMAIN=196
 folder=$(mktemp -d)
 declare -A pids
 end() { for process in "${pids[@]}"; do kill "$process" 2>/dev/null || true; done; wait 2>/dev/null || true; rm -rf "$folder"; }

@@ -3,7 +3,6 @@
 # shards tells what that of the one server tells. publish_and_watch.sh COLLIDE COLLIDED
 set -euo pipefail
 collide=$1 collided=$2
-export COLLIDED_DOMAIN=197
 folder=$(mktemp -d)
 declare -A pids
 end() { for process in "${pids[@]}"; do kill "$process" 2>/dev/null || true; done; wait 2>/dev/null || true; rm -rf "$folder"; }

@@ -70,6 +70,19 @@ TEST(ShardMap, SaysWhatIsWrongWithItsText) {
   EXPECT_NE(fault_of(std::string(ShardMap::kMostBytes + 1, ' ')), "");
 }
 
+// A corner of 100,000 brackets ended server and command line: the refusal wrote the value into its text, a call a level.
+TEST(ShardMap, RefusesADeepTextAndQuotesNoLongOnes) {
+  const std::string deep = std::string(100'000, '[') + std::string(100'000, ']');
+  const std::string box = R"("low": [null,null,null], "high": [null,null,null]}]})";
+  const std::string fault = "the shard map nests deeper than 64 levels";
+  EXPECT_EQ(fault_of(R"({"shards": [{"name": "a", "low": [)" + deep + ",null,null]," + box), fault);
+  EXPECT_EQ(fault_of(R"({"margin_m": )" + deep + R"(, "shards": [{"name": "a", )" + box), fault);
+  const std::string long_text(10'000, 'x');
+  EXPECT_LT(fault_of(R"({"margin_m": ")" + long_text + R"(", "shards": []})").size(), 200U);
+  EXPECT_LT(fault_of("{\"" + long_text + R"(": 1, "shards": []})").size(), 200U);
+  EXPECT_EQ(fault_of(R"({"a\u001bb": 1, "shards": []})"), "the shard map: unknown key 'a?b'");
+}
+
 /// A k-d tree's leaves: always a map without gaps. A side moved makes a gap or an overlap.
 struct RandomSplit {
   explicit RandomSplit(std::uint64_t seed) : random(seed) { split({{-kFar, -kFar, -kFar}, {kFar, kFar, kFar}}, 5); }

@@ -457,6 +457,33 @@ TEST_F(ShardedWorld, AShardOfAnotherMapIsNotOne) {
   EXPECT_EQ(later->uncovered->covered_m, 0);
 }
 
+// What is attached in one shard would stay where its parent left that shard, and its space count as free.
+TEST_F(ShardedWorld, NothingIsAttachedToWhatGoesFromShardToShard) {
+  write_map(kHalves);
+  start_shard("west");
+  start_shard("east");
+  ShardedClient client = connect_sharded();
+  Client west = connect_to_shard("west");
+  const Shape ball{SphereShape{.radius_m = 0.1}};
+  ASSERT_TRUE(west.add({.name = "load", .shape = ball, .pose = {.position = {-6, 0, 41}}}));
+  Result<ShardedPublisher> drives = client.publish("drives", {.lease = 60s});
+  ASSERT_TRUE(drives) << drives.error().message;
+  ASSERT_TRUE(drives->add({.name = "truck", .shape = ball, .pose = {.position = {-6, 0, 40}}}));
+  ASSERT_TRUE(drives->flush());
+  ASSERT_TRUE(drives->wait_applied(10s));
+  const Result<Attached> refused = west.attach("load", "truck");
+  ASSERT_FALSE(refused);
+  EXPECT_NE(refused.error().message.find("moves that from shard to shard"), std::string::npos)
+      << refused.error().message;
+  // What a publisher of that shard alone moves stays there.
+  Publisher stays = publish(west, "stays");
+  add_ball(stays, "cart", at(-6, 0, 42));
+  ASSERT_TRUE(stays.flush());
+  ASSERT_TRUE(stays.wait_applied(10s));
+  const Result<Attached> attached = west.attach("load", "cart");
+  EXPECT_TRUE(attached) << attached.error().message;
+}
+
 TEST_F(ShardedWorld, ASettledInstantIsThatOfTheSlowestPublisher) {
   write_map(kHalves);
   start_shard("west");

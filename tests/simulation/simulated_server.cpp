@@ -55,12 +55,12 @@ SimulatedServer::SimulatedServer(std::uint64_t epoch, std::int64_t now_ns, std::
       violation_(violation),
       event_writer_(std::make_unique<RecordingEventWriter>(epoch, voice, to, violation)),
       world_(WorldOptions{.epoch = epoch, .memory = {.reach_ns = kMemoryNs}}),
-      publishers_(world_, {}),
+      publishers_(world_, {.forget_after_ns = 300'000'000}),
       broadcast_(world_, *event_writer_, [](const std::string&) {}),
       digests_(world_) {
   event_writer_->set_time(now_ns);
   broadcast_.mark_all();
-  broadcast_.publish();
+  broadcast_.publish([](ObjectId) { return false; });
 }
 
 template <class Apply>
@@ -118,7 +118,7 @@ void SimulatedServer::step(std::int64_t now_ns) {
   changes_ = 0;
   ++steps_;
   publishers_.stepped();
-  broadcast_.publish();
+  broadcast_.publish([](ObjectId) { return false; });
 }
 
 void SimulatedServer::say_status(std::int64_t now_ns) {

@@ -3,7 +3,7 @@
 // DIR of --modules holds node_modules/playwright-core (npm install --prefix DIR playwright-core); CHROMIUM names the browser.
 // Prints what was measured; exits 0, 1 on the first thing that is wrong, 77 where there is no browser.
 import { spawnSync } from "node:child_process";
-import { readFileSync, writeFileSync } from "node:fs";
+import { existsSync, readFileSync, statSync, writeFileSync } from "node:fs";
 import { cpus, loadavg } from "node:os";
 import { join } from "node:path";
 import { check, launch, picture, until, words } from "./chromium.mjs";
@@ -328,6 +328,69 @@ async function opensRecordings(page) {
   await moves(page);
 }
 
+/// What commands did while it was recorded, refused ones too, and what lay within a solid when it began.
+async function showsWhatCommandsDid(page) {
+  const run = (code, ...args) => {
+    const said = collide(...args);
+    check(said.status === code, `${args.join(" ")}: ${said.status} ${said.stderr}`);
+  };
+  const cube = join(scratch, "pod.obj");
+  const sides = [[1, 3, 4, 2], [5, 6, 8, 7], [1, 2, 6, 5], [3, 7, 8, 4], [1, 5, 7, 3], [2, 4, 8, 6]];
+  writeFileSync(cube, `${[0, 1, 2, 3, 4, 5, 6, 7].map((k) => `v ${2 * (k & 1) - 1} ${(k & 2) - 1} ${((k & 4) >> 1) - 1}`).join("\n")}\n${sides.flatMap(([a, b, c, d]) => [`f ${a} ${b} ${c}`, `f ${a} ${c} ${d}`]).join("\n")}\n`);
+  run(0, "add", "pod", "mesh", cube, "--at", "20", "0", "1", "--solid");
+  run(0, "add", "pea", "sphere", "0.1", "--at", "20.2", "0", "1");
+  const file = join(scratch, "commands.mcap");
+  const recorder = start(words.collide, ["record", file, "--for", "1min"]);
+  // It writes a head, what was there before, and then what comes, piece by piece.
+  const growsBy = (pieces) => {
+    const sizes = new Set();
+    return until("it records", () => existsSync(file) && sizes.add(statSync(file).size).size > pieces);
+  };
+  await growsBy(4);
+  // All commands come from one program: a recorder misses the first question of a program that it has not met yet.
+  const lines = start(words.collide, ["-"], "pipe");
+  const say = (line) => lines.stdin.write(`${line}\n`);
+  await until("the recorder has met the program", () => {
+    say("ls canary");
+    return readFileSync(file).includes("canary");
+  });
+  for (const line of ["add crate_1 sphere 0.2 --at 22 0 0.5", "add crate_2 sphere 0.2 --at 23 0 0.5",
+    "add crate_1 box 1 1 1 --at 24 0 0.5", "attach crate_2 pea", "move pea 27 0 1"]) say(line);
+  await until("the pea has moved", () => collide("get", "pea", "--json").stdout.includes('"position":[27'));
+  await new Promise((done) => setTimeout(done, 500));
+  say("rm crate_*");
+  lines.stdin.end();
+  await lines.ended;
+  check(lines.said.includes("server refused"), `nothing was refused: ${lines.said.slice(-300)}`);
+  await growsBy(3);
+  recorder.kill("SIGINT");
+  await recorder.ended;
+  await page.setInputFiles("#file", file);
+  await until("the recording is shown", async () => (await page.locator("#recording").textContent()).includes("commands.mcap"), 30);
+  const found = await page.evaluate(async () => {
+    const { timeline } = collidedPage;
+    timeline.pause();
+    const shown = async (t) => {
+      timeline.goTo(t);
+      while (collidedPage.pendingPoses) await new Promise(requestAnimationFrame);
+      const { world, contacts } = collidedPage;
+      const [one, two] = ["crate_1", "crate_2"].map((name) => world.byName.get(name));
+      return { kind: one?.parts[0][0], x: two && Number(two.position[0].toFixed(3)), pea: contacts.of("pea").map(({ contained }) => Boolean(contained)).join() };
+    };
+    const all = [];
+    for (let t = timeline.begin(); t < timeline.end(); t += 0.02) all.push(await shown(t));
+    return { first: all[0], all, last: await shown(timeline.end()) };
+  });
+  check(found.first.pea === "true", `the pea is told to be ${found.first.pea ? "outside" : "without contact"}, not in the pod`);
+  check(found.all.every(({ kind }) => kind === undefined || kind === 0), "a refused box is shown");
+  check(found.all.some(({ x }) => x === 29.8), `what is attached does not go along: ${[...new Set(found.all.map(({ x }) => x))].join(", ")}`);
+  check(found.last.kind === undefined && found.last.x === undefined, "what a removal by a glob took is still shown");
+  check(found.last.pea === "", "the pea is out of the pod, and has a contact");
+  await page.click("#live");
+  for (const name of ["pea", "pod"]) run(0, "rm", name);
+  console.log("recorded commands: an attachment, a refusal, a removal by a glob, and what lies within what");
+}
+
 async function drawsWithoutWebGL(url) {
   const browser = await launch(["--disable-3d-apis"]);
   const page = await browser.newPage({ viewport: { width: 1000, height: 640 } });
@@ -363,6 +426,7 @@ async function run() {
   await picture(page, "night");
   await page.keyboard.press("t");
   await opensRecordings(page);
+  await showsWhatCommandsDid(page);
   await survivesAStall(page, server, isLong ? 10 : 1);
   server = await survivesARestart(page, server);
   await savedRunsPlay(browser);

@@ -16,8 +16,10 @@ export function pageFiles(source) {
 export class FakeWorld {
   constructor() {
     this.objects = [];
+    this.surfaces = new Map();  // by number, as /surface answers
     this.version = 1;
     this.asked = [];
+    this.connections = 0;
   }
   /// part: kind and numbers as in client/view/page_messages.hpp
   add(name, part, { moving = false, scene = "", layers = 1, mask = 0xffffffff, group = 0, at = [0, 0, 0], stale = false } = {}) {
@@ -26,6 +28,23 @@ export class FakeWorld {
   }
   box(name, center, half, options) { return this.add(name, [1, ...center, ...kUnturned, ...half], options); }
   sphere(name, at, radius, options) { return this.add(name, [0, 0, 0, 0, radius], { moving: true, ...options, at }); }
+  /// Objects that are boxes of triangles, all in one surface, as the parts of a file: [name, center, half].
+  file(scene, boxes) {
+    const number = String(1000 + this.surfaces.size);
+    const bytes = Buffer.alloc(32 + 12 * 8 * boxes.length + 12 * 12 * boxes.length);
+    bytes.writeUInt32LE(8 * boxes.length, 0);
+    bytes.writeUInt32LE(12 * boxes.length, 4);
+    const sides = [[0, 2, 3, 1], [4, 5, 7, 6], [0, 1, 5, 4], [2, 6, 7, 3], [0, 4, 6, 2], [1, 3, 7, 5]];
+    const corners = sides.flatMap(([a, b, c, d]) => [a, b, c, a, c, d]);
+    boxes.forEach(([name, center, half], i) => {
+      for (let k = 0; k < 8; ++k) center.forEach((middle, axis) => bytes.writeFloatLE(middle + ((k >> axis) & 1 ? 1 : -1) * half[axis], 32 + 12 * (8 * i + k) + 4 * axis));
+      corners.forEach((corner, k) => bytes.writeUInt32LE(8 * i + corner, 32 + 12 * 8 * boxes.length + 4 * (36 * i + k)));
+      this.add(name, null, { scene });
+      Object.assign(this.objects.at(-1), { parts: [], runs: [[number, 12 * i, 12]] });
+    });
+    this.surfaces.set(number, bytes);
+    return this;
+  }
   slotOf(name) { return this.objects.findIndex((object) => object.name === name); }
 
   table() { return { epoch: 7, version: this.version, table_version: 1, objects: this.objects }; }
@@ -57,18 +76,25 @@ export class FakeWorld {
   /// Serves a page of the browser; afterwards tell(message) and move(time) reach it.
   async serve(page, files, answers = {}) {
     await page.route(`${kAddress}**`, (route) => {
-      const path = new URL(route.request().url()).pathname;
+      const { pathname: path, searchParams } = new URL(route.request().url());
+      if (path === "/surface") return route.fulfill({ contentType: "application/octet-stream", body: this.surfaces.get(searchParams.get("number")) });
       if (path === "/objects") return route.fulfill({ contentType: "application/json", body: JSON.stringify(this.table()) });
       const file = files[path];
       return file ? route.fulfill({ contentType: file[0], body: file[1] }) : route.fulfill({ status: 404, body: "" });
     });
     await page.routeWebSocket("ws://fake-viewer/live", (socket) => {
+      const isFirst = this.connections++ === 0;
       this.socket = socket;
       this.tell({ type: "hello", version: "x", up: "z", connection: "--domain 7 --namespace hall " });
-      this.tell(this.status());
+      this.tell(this.lastStatus ?? this.status());
       this.tell({ type: "table", epoch: 7, table_version: 1 });
-      this.tell({ type: "contacts", contacts: [], left_out: 0 });
-      this.move(0);
+      // A page that was not served for 5 s, on a busy machine, connects again, and finds what it had.
+      if (isFirst) this.tell({ type: "contacts", contacts: [], left_out: 0 });
+      this.move(this.time ?? 0);
+      // As a viewer does, it says something twice a second; a page that hears nothing takes it for gone.
+      clearInterval(this.alive);
+      this.alive = setInterval(() => this.tell({ type: "alive" }), 500).unref();
+      socket.onClose(() => clearInterval(this.alive));
       socket.onMessage((text) => {
         const question = JSON.parse(text);
         this.asked.push(question);
@@ -77,6 +103,12 @@ export class FakeWorld {
       });
     });
   }
-  tell(message) { this.socket.send(JSON.stringify(message)); }
-  move(time) { this.socket.send(this.poses(time)); }
+  tell(message) {
+    if (message.type === "status") this.lastStatus = message;
+    this.socket.send(JSON.stringify(message));
+  }
+  move(time) {
+    this.time = time;
+    this.socket.send(this.poses(time));
+  }
 }

@@ -4,6 +4,7 @@
 
 #include <cstring>
 #include <deque>
+#include <set>
 
 #include <nlohmann/json.hpp>
 
@@ -199,6 +200,32 @@ TEST_F(FoxgloveTest, FencesAreLinesThatAreLitWhenEntered) {
   EXPECT_EQ(escape["lines"][0]["color"], dock["lines"][0]["color"]);
 }
 
+// Scenes are large: while one waits for a client, a newer one of the same subscription takes its place, and of no other.
+TEST_F(FoxgloveTest, ScenesTransformsAndFencesReplaceEarlierOnesThatWait) {
+  foxglove.opened(1);
+  foxglove.objects(world());
+  sent.clear();
+  for (const std::uint32_t id : {1U, 2U}) {
+    for (const std::uint32_t channel : {1U, 2U, 5U}) subscribe(10 * id + channel, channel);
+  }
+  for (const std::uint32_t channel : {3U, 4U}) subscribe(channel, channel);
+  sent.clear();
+  foxglove.objects(world());
+  foxglove.poses(poses(2'000'000'000));
+  foxglove.fences({});
+  std::set<std::uint8_t> lanes;
+  for (const Sent& one : sent) EXPECT_TRUE(lanes.insert(one.message.lane).second) << "two subscriptions share a lane";
+  EXPECT_EQ(lanes.size(), 6U);
+  EXPECT_FALSE(lanes.contains(0)) << "none accumulates";
+  sent.clear();
+  Event began;
+  began.kind = EventKind::began;
+  began.normal = {0, 0, 1};
+  foxglove.events(std::vector<Event>{began});
+  ASSERT_EQ(sent.size(), 2U);
+  for (const Sent& one : sent) EXPECT_EQ(one.message.lane, 0) << "every event is sent";
+}
+
 TEST_F(FoxgloveTest, WhatItDoesNotKnowIsAnsweredWithAWarning) {
   foxglove.opened(1);
   sent.clear();
@@ -250,7 +277,7 @@ TEST(FoxgloveScene, EveryKindOfPartHasItsPlaceSizeAndColor) {
     still.moving = moving;
     const json color = moving ? json{{"r", 0.36}, {"g", 0.36}, {"b", 0.35}, {"a", 1}}
                               : json{{"r", 0.78}, {"g", 0.77}, {"b", 0.74}, {"a", 1}};
-    const json entity = json::parse(scene_update({.objects = {still}}, 5))["entities"][0];
+    const json entity = json::parse(scene_update({.objects = {still}}))["entities"][0];
     EXPECT_EQ(entity["id"], "all");
     EXPECT_EQ(entity["frame_id"], moving ? "all" : "world");
     EXPECT_EQ(entity["frame_locked"], true);
@@ -266,6 +293,7 @@ TEST(FoxgloveScene, EveryKindOfPartHasItsPlaceSizeAndColor) {
     EXPECT_EQ(entity["cylinders"][2], tube(point(1, 1, 2), point(1, 1, 2), 1, color));
     ASSERT_EQ(entity["triangles"].size(), 1u);
     EXPECT_EQ(entity["triangles"][0]["points"], json({point(0, 0, 0), point(2, 0, 0), point(0, 0, 6)}));
+    EXPECT_EQ(entity["triangles"][0]["indices"], json({0, 1, 2}));
     EXPECT_EQ(entity["triangles"][0]["color"], color);
     for (const char* none : {"metadata", "arrows", "lines", "texts", "models"})
       EXPECT_EQ(entity[none], json::array()) << none;
@@ -278,12 +306,16 @@ TEST(FoxgloveScene, TooManyTrianglesBecomeABox) {
   surface->triangles = {{0, 1, 2}, {0, 1, 3}};
   ShownObject mesh = object(1, "mesh", true);
   mesh.runs = {{.surface = surface, .first_triangle = 0, .triangle_count = 2}};
-  const ShownObjects shown{.objects = {mesh}};
-  const json whole = json::parse(scene_update(shown, 2))["entities"][0];
-  EXPECT_EQ(whole["triangles"][0]["points"].size(), 6U);
-  const json bounds = json::parse(scene_update(shown, 1))["entities"][0];
-  EXPECT_TRUE(bounds["triangles"].empty());
-  EXPECT_EQ(bounds["cubes"][0]["size"]["z"], 6.);
+  const ShownObjects shown{.objects = {mesh, mesh}};
+  const json whole = json::parse(scene_update(shown, {.of_object = 2, .of_scene = 4}))["entities"];
+  EXPECT_EQ(whole[1]["triangles"][0]["points"].size(), 4U) << "each point once";
+  EXPECT_EQ(whole[1]["triangles"][0]["indices"], json({0, 1, 2, 0, 1, 3}));
+  const json bounds = json::parse(scene_update(shown, {.of_object = 1, .of_scene = 4}))["entities"];
+  EXPECT_TRUE(bounds[0]["triangles"].empty());
+  EXPECT_EQ(bounds[0]["cubes"][0]["size"]["z"], 6.);
+  const json mixed = json::parse(scene_update(shown, {.of_object = 2, .of_scene = 3}))["entities"];
+  EXPECT_EQ(mixed[0]["cubes"].size(), 0U);
+  EXPECT_EQ(mixed[1]["cubes"].size(), 1U) << "the scene has too many";
 }
 
 }  // namespace

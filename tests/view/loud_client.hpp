@@ -29,17 +29,20 @@ class LoudClient {
   LoudClient(LoudClient&& other) noexcept : socket_(std::exchange(other.socket_, -1)), is_open_(other.is_open_) {}
   LoudClient& operator=(LoudClient&&) = delete;
 
+  /// How long to wait for what must come; a busy machine is no fault of the other side.
+  static constexpr std::chrono::seconds kPatience{60};
+
   bool is_open() const { return is_open_; }
   bool send(std::string_view bytes) const {
     return ::send(socket_, bytes.data(), bytes.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(bytes.size());
   }
 
   /// What comes until `text` was in it, the other side ends, or the time is over.
-  std::string read_until(std::string_view text, std::chrono::milliseconds most = std::chrono::seconds(10)) const {
+  std::string read_until(std::string_view text, std::chrono::milliseconds most = kPatience) const {
     return read([&](const std::string& all) { return all.find(text) != std::string::npos; }, most);
   }
   /// Everything until the other side ends; false where it does not in time.
-  bool ends(std::chrono::milliseconds most = std::chrono::seconds(10)) const {
+  bool ends(std::chrono::milliseconds most = kPatience) const {
     const auto until = std::chrono::steady_clock::now() + most;
     read([](const std::string&) { return false; }, most);
     return std::chrono::steady_clock::now() < until;

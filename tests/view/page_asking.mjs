@@ -136,7 +136,7 @@ export async function whatOthersAskIsDrawn() {
   await new Promise((done) => setTimeout(done, 500));
   check(asked() === 0 && (await drawn()) === 0, "it is asked though nobody wants it");
   await page.evaluate(() => document.getElementById("others").click());
-  await until("they are drawn", async () => (await drawn()) >= 2 * questions.length);
+  await until("they are drawn", async () => (await drawn()) >= questions.length && asked() >= 2);
   check(world.asked.filter(({ ask }) => ask === "sampled")[1].since === questions.length, "all are asked for again");
   await picture(page, "others_paper");
   await page.evaluate(() => document.getElementById("theme").click());
@@ -150,6 +150,56 @@ export async function whatOthersAskIsDrawn() {
   await until("a refusal is told", async () => /no right/.test(await textOf(page, "#others-note")));
   check(await page.evaluate(() => !document.getElementById("others").checked), "the switch stays on");
   check(asked() === before + 1, "it is asked again and again");
+  await shut(page);
+}
+
+/// While the past is shown, publishers do not seem to fall silent, a click chooses what is seen, and questions say why they wait.
+export async function thePastIsNotAskedAbout() {
+  const world = hall();
+  const page = await open(world);
+  world.tell(world.status({ publishers: [{ name: "robot", messages: 1, silent: 1.5, lost: false }] }));
+  await until("the publisher is listed", async () => /robot/.test(await textOf(page, "#publishers")));
+  await page.keyboard.press("p");
+  const clicked = async () => {
+    const [x, y] = await page.evaluate(() => {
+      const [across, up] = collidedPage.camera.project(collidedPage.world.byName.get("ball_1").position);
+      const { left, top, width, height } = document.getElementById("scene").getBoundingClientRect();
+      return [left + ((across + 1) / 2) * width, top + ((1 - up) / 2) * height];
+    });
+    await page.mouse.move(x, y);
+    await until("it is seen there", async () => /ball_1/.test(await textOf(page, "#label")));
+    await page.mouse.click(x, y);
+  };
+  const before = world.asked.filter(({ ask }) => ask === "ray").length;
+  await clicked();
+  await until("the click chooses", async () => (await textOf(page, "#selected-name")) === "ball_1");
+  check(await page.evaluate(() => document.getElementById("answer").hidden), `it also says: ${await textOf(page, "#answer-text")}`);
+  await page.selectOption("#tool", "near");
+  await clicked();
+  await until("the reason is said", async () => /the past is shown.*press live/.test(await textOf(page, "#answer-text")));
+  world.tell({ type: "silent", seconds: 83 });
+  await new Promise((done) => setTimeout(done, 1500));
+  check(!(await page.evaluate(() => document.querySelector("#publishers .wrong"))), `the publisher seems silent: ${await textOf(page, "#publishers")}`);
+  check(/^ready/.test(await textOf(page, "#state")), `the past is said to be: ${await textOf(page, "#state")}`);
+  check(world.asked.filter(({ ask }) => ask === "ray" || ask === "near").length === before, "the server was asked");
+  await page.click("#live");
+  await until("now it is silent", () => page.evaluate(() => Boolean(document.querySelector("#publishers .wrong"))));
+  await page.selectOption("#tool", "ray");
+  await shut(page);
+}
+
+/// What came while the page was busy is still before it: it does not take its viewer for gone, however long that was.
+export async function aBusyPageKeepsItsViewer() {
+  const world = hall();
+  const page = await open(world);
+  await page.evaluate(() => {
+    const end = performance.now() + 5500;
+    while (performance.now() < end);
+    collidedPage.source.lookForSilence();  // it may come before what has arrived
+  });
+  world.tell(world.status({ scenes: ["after"] }));
+  await until("it hears its viewer", async () => /after/.test(await textOf(page, "#scenes")));
+  check(world.connections === 1, `it has connected ${world.connections} times`);
   await shut(page);
 }
 

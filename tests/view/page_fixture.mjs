@@ -21,16 +21,21 @@ export const stopBrowser = () => browser?.close();
 export const closeAll = () => Promise.all(browser.contexts().map((context) => context.close()));
 
 export const wrong = [];
-export async function open(world, { width = 1280, height = 800, touch = false, night = false, answers = {} } = {}) {
+export async function open(world, { width = 1280, height = 800, touch = false, night = false, answers = {}, path = "" } = {}) {
   const context = await browser.newContext({ viewport: { width, height }, hasTouch: touch, isMobile: touch, deviceScaleFactor: touch ? 2 : 1, colorScheme: night ? "dark" : "light" });
+  context.setDefaultTimeout(120e3);
   const page = await context.newPage();
   page.on("pageerror", (error) => wrong.push(error.message));
   page.on("console", (message) => { if (message.type() === "error") wrong.push(message.text()); });
   page.on("request", (request) => { if (!request.url().startsWith(kAddress) && !request.url().startsWith("data:")) wrong.push(`asks for ${request.url()}`); });
   await world.serve(page, files, answers);
-  await page.goto(kAddress, { waitUntil: "commit", timeout: 60000 });
-  await until("the objects are there", () => page.evaluate((count) => window.collidedPage?.world.objects.size === count, world.objects.length), 90);
-  await until("a picture is drawn", () => page.evaluate(() => Boolean(collidedPage.picture.renderer.whole)));
+  await page.goto(kAddress + path, { waitUntil: "commit", timeout: 120e3 });
+  await until("the objects are there", () => page.evaluate((count) => window.collidedPage?.world.objects.size === count, world.objects.length), 120);
+  // An earlier picture may be one of a part of them: a click in it would hit nothing.
+  await until("a picture of them is drawn", () => page.evaluate(async () => {
+    await new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done)));
+    return Boolean(collidedPage.picture.renderer.whole);
+  }));
   return page;
 }
 export const shut = (page) => page.context().close();

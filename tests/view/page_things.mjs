@@ -85,6 +85,64 @@ export async function partsAreListed() {
   await shut(page);
 }
 
+/// Parts of one file are each seen, named and gone to by themselves; what one of them encloses is not what the file does.
+export async function partsOfAFileHaveTheirOwnPlaces() {
+  const houses = [0, 1, 2, 3].map((i) => [`house_${i}`, [40 * i - 60, 30 * (i % 2), 4], [5, 5, 4]]);
+  const world = new FakeWorld().file("city", houses).file("desk", [["table", [0, -40, 5], [10, 10, 5]], ["lamp", [0, -40, 14], [0.5, 0.5, 0.5]]]);
+  world.sphere("ball", [0, -40, 11], 1);
+  const page = await open(world);
+  await bring(page, "house_3");
+  await page.click("#frame");
+  const { target, distance } = await page.evaluate(() => collidedPage.camera);
+  check(Math.hypot(target[0] - 60, target[1] - 30, target[2] - 4) < 0.01 && distance < 100, `"go to" looks at ${target} from ${distance} m`);
+  await page.evaluate(() => document.getElementById("fit").click());
+  await page.click("#labels");
+  await until("each has its name in the picture", () => page.evaluate(() => ["house_0", "house_1", "house_2", "house_3"].every((name) => collidedPage.picture.labels.placed.some(([, , , , text]) => text.includes(name)))));
+  await page.evaluate(() => collidedPage.world.openShells());
+  const opened = await page.evaluate(() => [...collidedPage.world.objects.values()].filter(({ slot }) => collidedPage.world.hasState(slot, 3 << 12)).map(({ name }) => name));
+  check(opened.length === 0, `drawn open, though nothing is in it: ${opened}`);
+  await shut(page);
+}
+
+/// What is pressed on a panel is what the click is about, though the panel would have changed meanwhile.
+export async function clicksOnPanelsCount() {
+  const world = hall();
+  const page = await open(world);
+  const press = async (selector) => {
+    const middle = await until(`${selector} is there`, () => page.evaluate((which) => {
+      const { left, right, top, bottom } = document.querySelector(which)?.getBoundingClientRect() ?? {};
+      return left < right && [(left + right) / 2, (top + bottom) / 2];
+    }, selector));
+    await page.mouse.move(...middle);
+    await page.mouse.down();
+    await new Promise((done) => setTimeout(done, 500));
+    await page.mouse.up();
+  };
+  await press("#things [role=treeitem]");
+  check((await page.evaluate(() => collidedPage.things.folded.size)) === 1, "the first click on the row of the cursor is lost");
+  await bring(page, "ball_1");
+  let depth = 0.01;
+  const deeper = () => world.tell({ type: "events", left_out: 0, events: [world.event("persisted", "ball_1", "floor", { depth: (depth += 1e-4) })] });
+  deeper();
+  await until("the contact is listed", async () => /floor/.test(await textOf(page, "#selected-contacts")));
+  const changes = setInterval(deeper, 50);
+  await press("#selected-contacts button");
+  clearInterval(changes);
+  check((await textOf(page, "#selected-name")) === "floor", "a click on a contact whose depth changes is lost");
+  await until("the panels go on", async () => /no contact with anything that moves|mm/.test(await textOf(page, "#selected-contacts")));
+  await shut(page);
+}
+
+/// The server compares nothing that stands still with what stands still: their overlaps are not said to be none.
+export async function whatStandsStillIsNotSaidToTouchNothing() {
+  const page = await open(hall());
+  for (const [name, expected] of [["floor", "no contact with anything that moves"], ["ball_1", "no contact"]]) {
+    await bring(page, name);
+    await until("its contacts are told", async () => (await textOf(page, "#selected-contacts")) === expected);
+  }
+  await shut(page);
+}
+
 export async function coloursTellWhoHasMoved() {
   const world = hall();
   const page = await open(world);

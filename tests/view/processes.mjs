@@ -6,11 +6,11 @@ import { join } from "node:path";
 import { check, until, words } from "./waiting.mjs";
 
 export const scratch = mkdtempSync(join(tmpdir(), "collided_view_"));
-export const environment = { ...process.env, COLLIDED_DOMAIN: String(words.domain ?? 201 + (process.pid % 30)), COLLIDED_STATE_DIR: scratch, NO_COLOR: "1" };
+export const environment = { ...process.env, COLLIDED_STATE_DIR: scratch, NO_COLOR: "1" };
 const started = [];
 
-export function start(program, args) {
-  const child = spawn(program, args, { env: environment, stdio: ["ignore", "pipe", "pipe"] });
+export function start(program, args, stdin = "ignore") {
+  const child = spawn(program, args, { env: environment, stdio: [stdin, "pipe", "pipe"] });
   child.said = "";
   child.stdout.on("data", (text) => { child.said += text; });
   child.stderr.on("data", (text) => { child.said += text; });

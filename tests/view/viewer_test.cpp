@@ -15,20 +15,22 @@ namespace {
 using namespace std::chrono_literals;
 using test::LoudClient;
 
+constexpr auto kPatience = 60s;  // a busy machine is no fault of the viewer
+
 /// A server, things that move, and `collide view`, each a process.
 class Viewing : public testing::Test {
  protected:
   void start(const std::vector<std::string>& options = {}) {
     server.emplace(std::vector<std::string>{COLLIDED_SERVER, "--domain", domain, "--state-dir", folder.path()},
                    folder.path(), "server");
-    ASSERT_TRUE(server->says("ready:", 20s)) << server->errors();
+    ASSERT_TRUE(server->says("ready:", kPatience)) << server->errors();
     publisher.emplace(std::vector<std::string>{COLLIDED_CLI, "publish", "--spheres", "200", "--side", "6", "--size",
                                                "0.03", "--round", "--bounce", "--domain", domain},
                       folder.path(), "publisher");
     std::vector<std::string> words{COLLIDED_CLI, "view", "--port", "0", "--plain", "--domain", domain};
     words.insert(words.end(), options.begin(), options.end());
     viewer.emplace(words, folder.path(), "viewer");
-    ASSERT_TRUE(viewer->says("ws://", 20s)) << viewer->errors();
+    ASSERT_TRUE(viewer->says("ws://", kPatience)) << viewer->errors();
     const std::string said = viewer->output();
     const std::size_t colon = said.find(':', said.find("ws://") + 5);
     port = static_cast<std::uint16_t>(std::stoul(said.substr(colon + 1)));
@@ -41,7 +43,7 @@ class Viewing : public testing::Test {
   }
   /// The answer to GET once it holds the text; what came last where it never does.
   std::string eventually_fetched(const std::string& target, const std::string& text) const {
-    const auto until = std::chrono::steady_clock::now() + 20s;
+    const auto until = std::chrono::steady_clock::now() + kPatience;
     for (;;) {
       const LoudClient client(port);
       client.send(LoudClient::get(target, host, "Connection: close\r\n"));
@@ -71,19 +73,25 @@ TEST_F(Viewing, APageHearsOfEverything) {
   const LoudClient page = open("/live");
   const std::string heard = page.read_until("\"type\":\"status\"");
   EXPECT_LT(heard.find("\"type\":\"hello\""), heard.find("\"type\":\"contacts\""));
-  EXPECT_NE(page.read_until("\"what\":\"began\"", 20s).find("\"what\":\"began\""), std::string::npos)
+  EXPECT_NE(page.read_until("\"what\":\"began\"", kPatience).find("\"what\":\"began\""), std::string::npos)
       << "200 spheres in a cube meet";
   EXPECT_NE(eventually_fetched("/objects", "\"warehouse/floor\"").find("200 OK"), std::string::npos);
   page.send(LoudClient::frame(R"({"ask":"ray","id":17,"origin":[0,0,5],"direction":[0,0,-1]})"));
   EXPECT_NE(page.read_until("\"type\":\"answer\"").find("\"id\":17"), std::string::npos);
   page.send(LoudClient::frame(R"({"ask":"pair","id":18,"a":"warehouse/floor","b":"nobody"})"));
-  EXPECT_NE(page.read_until("\"type\":\"refused\"").find("nobody"), std::string::npos);
+  EXPECT_NE(page.read_until("nobody").find("\"type\":\"refused\""), std::string::npos);
   page.send(LoudClient::frame(R"({"ask":"sphere","id":19,"center":[0,0,0],"radius":0.5})"));
-  EXPECT_NE(page.read_until("\"ask\":\"sphere\"").find("\"hits\":["), std::string::npos);
-  page.send(LoudClient::frame(R"({"ask":"nearest","id":20,"name":"warehouse/wall_north"})"));
-  EXPECT_NE(page.read_until("\"ask\":\"nearest\"").find("\"other\":\""), std::string::npos);
+  EXPECT_NE(page.read_until("\"id\":19").find("\"hits\":["), std::string::npos);
+  // The server has 50 ms for it; on a busy machine that may be too short, and the page asks again.
+  std::string nearest;
+  for (int i = 0; i < 200 && nearest.find("\"other\":\"") == std::string::npos; ++i) {
+    page.send(LoudClient::frame(R"({"ask":"nearest","id":20,"name":"warehouse/wall_north"})"));
+    nearest = page.read_until("\"tested\":");
+    ASSERT_NE(nearest.find(R"("ask":"nearest")"), std::string::npos) << nearest;
+  }
+  EXPECT_NE(nearest.find("\"other\":\""), std::string::npos) << nearest;
   page.send(LoudClient::frame(R"({"ask":"sweep","id":21,"radius":0.1,"from":[0,0,1],"to":[0,0,-1]})"));
-  EXPECT_NE(page.read_until("\"ask\":\"sweep\"").find("\"time_high\":"), std::string::npos);
+  EXPECT_NE(page.read_until("\"id\":21").find("\"time_high\":"), std::string::npos);
   page.send(LoudClient::frame("drop table"));
   EXPECT_NE(page.read_until("no question").find("no question"), std::string::npos);
 }
@@ -92,11 +100,11 @@ TEST_F(Viewing, APageHearsOfEverything) {
 TEST_F(Viewing, ThePageGetsWhatTheServerRemembers) {
   ASSERT_NO_FATAL_FAILURE(start());
   const LoudClient page = open("/live");
-  page.read_until("\"what\":\"began\"", 20s);
+  page.read_until("\"what\":\"began\"", kPatience);
   for (const char* number : {"1", "2"}) {
     page.send(LoudClient::frame(R"({"ask":"memory","id":7,"seconds":30})"));
     const std::string path = std::string("memory?number=") + number;
-    ASSERT_NE(page.read_until(path, 20s).find(path), std::string::npos);
+    ASSERT_NE(page.read_until(path, kPatience).find(path), std::string::npos);
     EXPECT_NE(eventually_fetched("/" + path, "\x89MCAP0\r\n").find("\x89MCAP0\r\n"), std::string::npos);
   }
   const LoudClient late(port);
@@ -125,7 +133,7 @@ TEST_F(Viewing, FoxgloveSeesTheSameWorld) {
   EXPECT_NE(greeting.find("serverInfo"), std::string::npos);
   foxglove.send(
       LoudClient::frame(R"({"op":"subscribe","subscriptions":[{"id":0,"channelId":1},{"id":1,"channelId":2}]})"));
-  const std::string heard = foxglove.read_until("child_frame_id", 20s);
+  const std::string heard = foxglove.read_until("child_frame_id", kPatience);
   EXPECT_NE(heard.find("\"transforms\""), std::string::npos);
   EXPECT_NE(open("/", "Sec-WebSocket-Protocol: mqtt\r\n").read_until("\r\n\r\n").find("404"), std::string::npos);
 }
@@ -133,7 +141,7 @@ TEST_F(Viewing, FoxgloveSeesTheSameWorld) {
 // Slow readers, a thousand connections, noise: the viewer keeps its size and the server answers as before.
 TEST_F(Viewing, HostileClientsGrowNothingAndTheServerDoesNotNotice) {
   start();
-  Result<Client> client = Client::connect({.domain = testing_support::own_domain(), .wait = 10s});
+  Result<Client> client = Client::connect({.domain = testing_support::own_domain(), .wait = kPatience});
   ASSERT_TRUE(client) << client.error().message;
   const LoudClient page = open("/live");
   page.read_until("\"type\":\"status\"");
@@ -186,12 +194,12 @@ TEST_F(Viewing, HostileClientsGrowNothingAndTheServerDoesNotNotice) {
 
 TEST_F(Viewing, ARunIsSavedIntoOneFile) {
   start({"--for", "1s"});
-  EXPECT_EQ(viewer->wait(10s), 0) << viewer->errors();
+  EXPECT_EQ(viewer->wait(kPatience), 0) << viewer->errors();
   const std::string file = folder.path() + "/run.html";
   testing_support::ChildProcess saving(
       {COLLIDED_CLI, "view", "--save", file, "--last", "1500ms", "--plain", "--domain", domain}, folder.path(),
       "saving");
-  EXPECT_EQ(saving.wait(20s), 0) << saving.errors();
+  EXPECT_EQ(saving.wait(kPatience), 0) << saving.errors();
   std::ifstream in(file, std::ios::binary);
   const std::string page((std::istreambuf_iterator<char>(in)), {});
   EXPECT_NE(page.find("id=\"run\">{"), std::string::npos);

@@ -6,8 +6,14 @@ export function skip(why) {
   process.exit(77);
 }
 
-/// Waits for a condition; its value. Throws with what was waited for when the time is over.
-export async function until(what, condition, seconds = 20) {
+/// What until() or check() looked at last, for the message of a test that fails elsewhere.
+let looked = "";
+export const lastChecked = () => looked;
+
+/// Waits for a condition; its value. Throws with what was waited for when the time is over, which is long, since a busy machine is
+/// no fault of the page.
+export async function until(what, condition, seconds = 60) {
+  looked = `waiting for "${what}"`;
   const end = Date.now() + 1000 * seconds;
   for (;;) {
     const value = await condition();
@@ -17,5 +23,6 @@ export async function until(what, condition, seconds = 20) {
   }
 }
 export function check(holds, what) {
+  looked = `the check "${what}"`;
   if (!holds) throw new Error(what);
 }

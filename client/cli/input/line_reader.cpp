@@ -62,7 +62,7 @@ bool LineReader::next(std::string& line) {
   cut_ = false;
   while (line_end() == nullptr && !ended_) {
     if (stop_requested) return false;
-    fill(kInterruptCheckMs);
+    if (!fill(kInterruptCheckMs) && while_waiting_) while_waiting_();
     if (end_ - begin_ > kLongestLine && line_end() == nullptr) {
       cut_ = true;
       begin_ = end_ - 1;  // one byte is kept, so that the line still counts as begun

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace collided::cli {
@@ -16,6 +18,8 @@ class LineReader {
 
   /// Reads the next line, without its line end. False at the end of input or when interrupted. May wait.
   bool next(std::string& line);
+  /// Sets what next() calls about ten times a second while it waits.
+  void when_waiting(std::function<void()> call) { while_waiting_ = std::move(call); }
   /// Whether next() would return at once.
   bool ready();
   /// Number of the last line that was read, from 1.
@@ -29,6 +33,7 @@ class LineReader {
   const char* line_end() const;
 
   int file_;
+  std::function<void()> while_waiting_;
   std::vector<char> buffer_;
   std::size_t begin_ = 0;
   std::size_t end_ = 0;

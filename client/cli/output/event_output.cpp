@@ -97,6 +97,7 @@ Record event_record(const Event& event) {
           {"doubt", is_doubt ? Value(doubt_word(event.doubt)) : none},
           {"contained", contained_value(event, swapped)},
           {"resync", event.resync ? Value(true) : none},
+          {"poses_merged", event.poses_merged ? Value(true) : none},
           {"sequence", event.sequence},
           {"episode", event.episode},
           {"bracket_low", event.bracket_low_s},
@@ -111,7 +112,9 @@ std::vector<std::string> usual_event_fields() { return {"time", "what", "a", "b"
 std::string event_line(const Printer& printer, const Event& event) {
   const auto [first, second] = std::minmax(event.a, event.b);
   const std::string pair = fmt::format("{} x {}", printable(first), printable(second));
-  const std::string doubt = event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", doubt_word(event.doubt));
+  const std::string doubt =
+      fmt::format("{}{}", event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", doubt_word(event.doubt)),
+                  event.poses_merged ? "  (poses merged)" : "");
   const std::string inner =
       event.contained == Containment::none
           ? ""

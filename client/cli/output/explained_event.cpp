@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"

@@ -2,6 +2,7 @@
 #include <fmt/ranges.h>
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/explanation_output.hpp"

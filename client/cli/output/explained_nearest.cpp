@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/explanation_output.hpp"

@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/explanation_output.hpp"

@@ -72,6 +72,7 @@ Record fence_record(const FenceEvent& event) {
           {"why", event.reason == EndReason::none ? none : Value(reason_word(event.reason))},
           {"doubt", event.doubt == Doubt::none ? none : Value(doubt_word(event.doubt))},
           {"resync", event.resync ? Value(true) : none},
+          {"poses_merged", event.poses_merged ? Value(true) : none},
           {"first_ns", at(has_bracket, event.bracket_low_s)},
           {"last_ns", at(has_bracket, event.bracket_high_s)},
           {"left_first_ns", at(is_cross, event.left_low_s)},
@@ -100,6 +101,7 @@ std::string fence_line(const Printer& printer, const FenceEvent& event) {
     line += fmt::format("  in for {}", format_duration(happened_by(event) - event.entered));
   line += doubt + fmt::format("  seq {}", event.sequence);
   if (event.resync) line += "  resync";
+  if (event.poses_merged) line += "  (poses merged)";
   return line;
 }
 

@@ -90,6 +90,7 @@ Record margin_record(const MarginEvent& event) {
           {"why", event.reason == EndReason::none ? none : Value(reason_word(event.reason))},
           {"doubt", event.doubt == Doubt::none ? none : Value(doubt_word(event.doubt))},
           {"resync", event.resync ? Value(true) : none},
+          {"poses_merged", event.poses_merged ? Value(true) : none},
           {"first_ns", at(event.bracket_low_s)},
           {"last_ns", at(event.bracket_high_s)},
           {"point", is_nearer ? MaybeVector(event.point) : MaybeVector()},
@@ -120,6 +121,7 @@ std::string margin_line(const Printer& printer, const MarginEvent& event) {
   else line += how_it_goes_on(event);
   line += doubt + fmt::format("  seq {}", event.sequence);
   if (event.resync) line += "  resync";
+  if (event.poses_merged) line += "  (poses merged)";
   return line;
 }
 

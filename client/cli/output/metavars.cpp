@@ -42,7 +42,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--margin", "LENGTH"},
     {"--fov", "ANGLE"},
     {"--frame", "FRAME"},
-    {"--from", "FROM"},
+    {"--from", "X Y Z"},
     {"--group", "N"},
     {"--host", "NAME"},
     {"--hysteresis", "LENGTH"},
@@ -105,7 +105,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--timeout", "TIME"},
     {"--to", "X Y Z"},
     {"--to-rpy", "R P Y"},
-    {"--tones", "NAME"},
+    {"--tones", "N"},
     {"--unit", "UNIT"},
     {"--unknown", "WORD"},
     {"--voxels", "LENGTH"},
@@ -117,6 +117,7 @@ constexpr std::array kMetavars = std::to_array<std::pair<std::string_view, std::
     {"--within", "LENGTH"},
     {"--as", "NAME"},
     {"--bone-radius", "LENGTH"},
+    {"--gap", "TIME"},
     {"--path", "FILE"},
     {"--polygons", "N"},
     {"--response", "NAME"},
@@ -143,9 +144,14 @@ struct VerbMetavar {
 /// Where a verb's option takes something else than others of that name.
 constexpr std::array kMetavarsOfVerbs = std::to_array<VerbMetavar>({
     {"clearance", "--to", "GLOB"},
+    {"draw", "--clearance", "GLOB"},
+    {"events", "--from", "TIME"},
     {"events", "--to", "TIME"},
     {"fence", "--to", "OBJECT"},
     {"fleet", "--to", "MAP"},
+    {"menu", "--from", "FILE"},
+    {"publish", "--rate", "HZ"},
+    {"view", "--origin", "URL"},
 });
 
 }  // namespace

@@ -46,6 +46,7 @@ Record nearest_record(const NearestEvent& event) {
           {"why", event.reason == EndReason::none ? none : Value(reason_word(event.reason))},
           {"doubt", event.doubt == Doubt::none ? none : Value(doubt_word(event.doubt))},
           {"resync", event.resync ? Value(true) : none},
+          {"poses_merged", event.poses_merged ? Value(true) : none},
           {"first_ns", at(event.bracket_low_s)},
           {"last_ns", at(event.bracket_high_s)},
           {"point", has_distance(event) ? MaybeVector(event.point) : MaybeVector()},
@@ -76,6 +77,7 @@ std::string nearest_line(const Printer& printer, const NearestEvent& event) {
   if (event.doubt != Doubt::none) line += fmt::format("  in doubt ({})", doubt_word(event.doubt));
   line += fmt::format("  seq {}", event.sequence);
   if (event.resync) line += "  resync";
+  if (event.poses_merged) line += "  (poses merged)";
   return line;
 }
 

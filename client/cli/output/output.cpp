@@ -14,6 +14,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/suggest.hpp"
 #include "client/cli/output/wrapping.hpp"
+#include "idl/terminal_text.hpp"
 
 namespace collided::cli {
 namespace {
@@ -75,12 +76,15 @@ void append_csv_text(std::string& out, std::string_view text) {
   out += '"';
 }
 
-/// Appends text for plain output. A tab or line end is written as \t, \n or \r, so that a record stays one line.
+bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }
+
+/// Appends text for plain output. Control characters are escaped, so that a record stays one line and commands no terminal.
 void append_plain_text(std::string& out, std::string_view text) {
   for (const char c : text) {
     if (c == '\t') out += "\\t";
     else if (c == '\n') out += "\\n";
     else if (c == '\r') out += "\\r";
+    else if (is_control(c)) out += fmt::format("\\x{:02x}", static_cast<unsigned>(c));
     else out += c;
   }
 }
@@ -169,10 +173,8 @@ std::string value_text(const Value& value) {
 }
 
 std::string printable(std::string_view text) {
-  std::string safe(text);
-  for (char& c : safe) {
-    if (static_cast<unsigned char>(c) < ' ' || c == '\x7f') c = '?';
-  }
+  std::string safe = wire_contract::terminal_text(text);
+  std::ranges::replace_if(safe, is_control, '?');
   return safe;
 }
 
@@ -246,7 +248,9 @@ void Printer::separated(const Record& record, char separator) {
   out_ << buffer_;
 }
 
-void Printer::line(std::string_view text) { out_ << wrapped(text, appearance_.width) << '\n'; }
+void Printer::line(std::string_view text) {
+  out_ << wire_contract::terminal_text(wrapped(text, appearance_.width), true) << '\n';
+}
 
 void Printer::row(const std::vector<std::string>& header, std::vector<std::string> cells) {
   if (rows_.empty()) rows_.push_back(header);
@@ -281,7 +285,7 @@ void Printer::finish() {
       if (column + 1 < rows_[at].size()) text.append(widths[column].columns - columns_of(cell) + gap, ' ');
     }
     text.erase(text.find_last_not_of(' ') + 1);
-    out_ << (at == 0 ? paint(Paint::faint, text) : text) << '\n';
+    out_ << wire_contract::terminal_text(at == 0 ? paint(Paint::faint, text) : text, true) << '\n';
   }
   rows_.clear();
 }

@@ -16,7 +16,7 @@ constexpr std::chrono::seconds kLongSilent{2};
 constexpr std::size_t kNameColumns = 8;
 constexpr std::size_t kFigureColumns = 11;
 
-/// The text with blanks before or after it; one that is too long loses its beginning.
+/// The text with blanks before or after it; one that is too long loses its middle.
 std::string padded_or_cut(std::string_view text, std::size_t columns, bool at_right) {
   std::string kept = cut_to(text, columns);
   const std::string blanks(columns - std::min(columns, columns_of(kept)), ' ');

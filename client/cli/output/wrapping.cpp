@@ -2,12 +2,15 @@
 
 #include <algorithm>
 
+#include <fmt/format.h>
+
 #include "client/cli/input/number.hpp"
 
 namespace collided::cli {
 namespace {
 
-constexpr std::size_t kLeastColumn = 6;
+// Enough for a role, a heading or both ends of a name.
+constexpr std::size_t kLeastColumn = 16;
 
 bool begins_character(char c) { return (static_cast<unsigned char>(c) & 0xc0) != 0x80; }
 
@@ -102,14 +105,16 @@ bool fit(std::vector<ColumnWidth>& widths, std::size_t width, std::size_t gap) {
 }
 
 std::string cut_to(std::string_view text, std::size_t width) {
-  std::size_t columns = columns_of(text);
+  const std::size_t columns = columns_of(text);
   if (columns <= width || text.find('\x1b') != std::string_view::npos) return std::string(text);
-  while (columns + 1 > width) {
-    do text.remove_prefix(1);
-    while (!text.empty() && !begins_character(text.front()));
-    --columns;
-  }
-  return "…" + std::string(text);
+  const std::size_t kept = std::max<std::size_t>(width, 1) - 1;
+  const auto byte_of = [&](std::size_t character) {
+    std::size_t at = 0;
+    for (; at < text.size(); ++at)
+      if (begins_character(text[at]) && character-- == 0) break;
+    return at;
+  };
+  return fmt::format("{}…{}", text.substr(0, byte_of(kept / 2)), text.substr(byte_of(columns - (kept + 1) / 2)));
 }
 
 }  // namespace collided::cli

@@ -27,10 +27,11 @@ struct ColumnWidth {
 };
 
 /// Narrows the widest columns of a table that may be until it fits, with `gap` blanks between columns. No column becomes
-/// narrower than a few letters. Returns false where it does not fit even so.
+/// narrower than 16 letters, so short words and headings stay whole. Returns false if it does not fit even so.
 bool fit(std::vector<ColumnWidth>& widths, std::size_t width, std::size_t gap = 2);
 
-/// The text if it fits, else "…" and its end, since the end of a name tells more than its beginning.
+/// The text if it fits, else its beginning and its end with "…" between them: a name begins with its scene and ends with
+/// what distinguishes it.
 std::string cut_to(std::string_view text, std::size_t width);
 
 }  // namespace collided::cli

@@ -71,6 +71,7 @@ class CsvSource : public MotionSource {
   void open() {
     file_.emplace(options_.path, io_.in);
     csv_.emplace(*file_);
+    csv_->when_waiting([this] { wait_a_moment(); });
     read_ahead_.reset();
   }
 
@@ -93,7 +94,7 @@ class CsvSource : public MotionSource {
       const PoseCsv::Found found = csv_->next(row, refusal);
       if (found == PoseCsv::Found::end) return;
       if (found == PoseCsv::Found::row) break;
-      if (++refused_ <= kMostRefusalsPrinted) io_.err << "error: " << refusal << "; this pose was not sent\n";
+      if (++refused_ <= kMostRefusalsPrinted) print_error(io_, refusal + "; this pose was not sent");
     }
     if (!csv_->has_time() && !options_.paced && options_.path != "-") {
       throw bad_use(fmt::format("{} has no column t", file_->name()),

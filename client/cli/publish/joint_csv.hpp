@@ -32,6 +32,8 @@ class JointCsv {
   /// Reads the next row. Where it is refused, `refusal` says why: "joints.csv line 7: 'nan' in column elbow". Throws
   /// Failure where the header names no joint of the robot, or one twice.
   Found next(JointRow& row, std::string& refusal);
+  /// As LineReader::when_waiting.
+  void when_waiting(std::function<void()> call) { lines_.when_waiting(std::move(call)); }
   /// Whether rows have times; known once a row was read.
   bool has_time() const { return has_time_; }
   std::size_t line_number() const { return lines_.line_number(); }

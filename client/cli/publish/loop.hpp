@@ -11,6 +11,7 @@ namespace collided::cli {
 /// How to publish a source, and when to stop.
 struct PublishLoopOptions {
   std::string publisher_name;
+  std::chrono::nanoseconds gap = PublishOptions{}.gap;
   double rate_hz = 0;  // frames a second; 0: the source's own times count
   double speed = 1;    // factor on the source's own times
   bool loop = false;   // begin again after the last frame

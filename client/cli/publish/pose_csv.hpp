@@ -36,6 +36,8 @@ class PoseCsv {
   /// Reads the next row. Where it is refused, `refusal` says why: "poses.csv line 7: 'nan' in column x", and the row has its
   /// config where that was read. Throws Failure where the header is not understood.
   Found next(PoseRow& row, std::string& refusal);
+  /// As LineReader::when_waiting.
+  void when_waiting(std::function<void()> call) { lines_.when_waiting(std::move(call)); }
   /// Whether next() would not wait.
   bool ready() { return lines_.ready(); }
   /// Whether rows have times; known once a row was read.

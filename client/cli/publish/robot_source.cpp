@@ -1,6 +1,8 @@
 #include "client/cli/publish/robot_source.hpp"
 
+#include <cmath>
 #include <filesystem>
+#include <utility>
 
 #include <collided/robot.hpp>
 #include <fmt/format.h>
@@ -67,14 +69,19 @@ class RobotSource : public MotionSource {
     lines.push_back(fmt::format("  {} of '{}'{}", counted(published_ ? published_->object_count() : 0, "link"),
                                 printable(options_.scene),
                                 refused_ > 0 ? fmt::format("; {} lines refused", format_count(refused_)) : ""));
+    record.push_back({"chord_error", chord_.metres});
+    if (chord_.metres > PublishedRobot::kChordToWarn_m)
+      lines.push_back(fmt::format("  links left their arcs by up to {}", format_bound(chord_.metres) + " m"));
   }
 
  private:
   void open() {
     file_.emplace(options_.joints_path, io_.in);
     csv_.emplace(*file_, robot_);
+    csv_->when_waiting([this] { wait_a_moment(); });
     read_ahead_.reset();
     positions_.clear();
+    positions_before_.clear();
   }
 
   void load_if_missing(Client& client) const {
@@ -92,7 +99,7 @@ class RobotSource : public MotionSource {
       const JointCsv::Found found = csv_->next(row, refusal);
       if (found == JointCsv::Found::end) return;
       if (found == JointCsv::Found::row && is_possible(row, refusal)) break;
-      if (++refused_ <= kMostSaid) io_.err << "error: " << refusal << "; this row was not sent\n";
+      if (++refused_ <= kMostSaid) print_error(io_, refusal + "; this row was not sent");
     }
     if (!csv_->has_time() && !options_.paced && options_.joints_path != "-") {
       throw bad_use(fmt::format("{} has no column t", file_->name()),
@@ -114,7 +121,25 @@ class RobotSource : public MotionSource {
       if (++warned_ <= kMostSaid)
         print_warning(io_, fmt::format("{} line {}: {}", file_->name(), csv_->line_number(), warning));
     }
+    warn_of_chord();
     return true;
+  }
+
+  /// Between two rows a link is swept in a straight line. A worse row than before is named once it is twice as bad.
+  void warn_of_chord() {
+    const std::vector<double> before = std::exchange(positions_before_, positions_);
+    if (before.size() != positions_.size()) return;
+    const Robot::ChordError chord = robot_.chord_error(before, positions_);
+    if (!(chord.metres > chord_.metres)) return;
+    chord_ = chord;
+    if (!(chord.metres > PublishedRobot::kChordToWarn_m && chord.metres > 2 * chord_warned_m_)) return;
+    chord_warned_m_ = chord.metres;
+    const auto more = static_cast<std::uint64_t>(std::ceil(std::sqrt(chord.metres / PublishedRobot::kChordToWarn_m)));
+    print_warning(
+        io_, fmt::format("{} line {}: link '{}' leaves its arc by up to {} m, so contacts may be false or missing; "
+                         "{} times as many rows: 1 mm",
+                         file_->name(), csv_->line_number(), printable(robot_.links()[chord.link]),
+                         format_bound(chord.metres), more));
   }
 
   Io& io_;
@@ -124,7 +149,10 @@ class RobotSource : public MotionSource {
   std::optional<JointCsv> csv_;
   std::optional<JointRow> read_ahead_;
   JointRow row_;
-  std::vector<double> positions_;  // of the last row that was read
+  std::vector<double> positions_;         // of the last row that was read
+  std::vector<double> positions_before_;  // of the row before; empty: there is none
+  Robot::ChordError chord_;               // the worst so far
+  double chord_warned_m_ = 0;
   std::optional<PublishedRobot> published_;
   std::optional<double> first_time_s_;
   std::uint64_t refused_ = 0;

@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -38,6 +39,8 @@ inline void moved(const Result<void>& result) {
 class MotionSource {
  public:
   virtual ~MotionSource() = default;
+  /// Sets what to call about ten times a second while next_time() waits for input.
+  void when_waiting(std::function<void()> call) { while_waiting_ = std::move(call); }
   /// Adds the objects that are known from the start. What it watches or asks, it does by the session of the publisher.
   virtual void begin(Session& session, const Globals& globals, WorldPublisher& publisher) = 0;
   /// When the next frame is due, in seconds after the first at speed 1; nothing after the last.
@@ -54,6 +57,14 @@ class MotionSource {
   virtual void report(Record&, std::vector<std::string>&) const {}
   /// Number of input lines that were refused.
   virtual std::uint64_t refused_count() const { return 0; }
+
+ protected:
+  void wait_a_moment() const {
+    if (while_waiting_) while_waiting_();
+  }
+
+ private:
+  std::function<void()> while_waiting_;
 };
 
 }  // namespace collided::cli

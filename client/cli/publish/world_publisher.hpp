@@ -17,15 +17,19 @@ class WorldPublisher {
   using Object = Publisher::Object;
 
   /// Connects; throws Failure.
-  WorldPublisher(Session& session, const Globals& globals, const std::string& publisher_name);
+  WorldPublisher(Session& session, const Globals& globals, const std::string& publisher_name,
+                 const PublishOptions& options = {});
 
   Result<Object> add(const ObjectOptions& options);
   Result<void> move(Object object, const Pose& pose, bool teleport = false);
-  Result<void> flush(std::chrono::nanoseconds source_time);
+  Result<FlushReport> flush(std::chrono::nanoseconds source_time);
   /// As Publisher::stream. Throws Failure with --shards, where each flush says of every object where it is.
   void stream();
-  Result<void> keep_alive();
+  Result<void> keep_alive(std::chrono::nanoseconds source_time);
   Result<void> wait_applied(std::chrono::nanoseconds timeout);
+  /// Waits until every object added so far is in the world; returns why one is not.
+  Result<void> wait_entered(std::chrono::nanoseconds timeout);
+  Result<PublisherReport> report(std::chrono::nanoseconds timeout);
   /// For what does more than these: without --shards only.
   Publisher& of_one_server() { return std::get<Publisher>(publisher_); }
 

@@ -2,6 +2,7 @@
 
 #include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <nlohmann/json.hpp>
 
 #include "client/cli/input/number.hpp"
 #include "client/cli/input/time_text.hpp"

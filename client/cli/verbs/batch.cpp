@@ -140,9 +140,9 @@ class Batch {
 
   void refuse(const QuestionReader::Line& line) {
     progress_.clear();
-    session_.io.err << fmt::format("error: {} {}; {} {} answered, this one refused{}\n", file_.name(), line.refusal,
-                                   format_count(counts_.answered), form_of(options_.view.kind).plural,
-                                   options_.stop_on_error ? "; stopped" : " (--stop-on-error to stop)");
+    print_error(session_.io, fmt::format("{} {}; {} {} answered, this one refused{}", file_.name(), line.refusal,
+                                         format_count(counts_.answered), form_of(options_.view.kind).plural,
+                                         options_.stop_on_error ? "; stopped" : " (--stop-on-error to stop)"));
     ++counts_.refused;
     print_refused(printer_, options_.view, line.id, line.number);
   }

@@ -11,6 +11,7 @@
 #include <collided/recording.hpp>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <nlohmann/json.hpp>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/time_text.hpp"

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include <collided/recording.hpp>
+#include <nlohmann/json.hpp>
 
 #include "client/cli/command.hpp"
 #include "client/cli/output/event_output.hpp"

@@ -80,7 +80,8 @@ class StandingCommand : public Command {
   virtual Exit follow(Session& session, const Globals& globals, const std::string& glob) = 0;
 
   void declare_ends(CLI::App& app) {
-    app.add_flag("--keep", is_kept_, "add: it stays, after a crash too, until it is removed");
+    app.add_flag("--keep", is_kept_,
+                 "add: it stays until it is removed or the server stops, and comes back after a crash");
     app.add_option("-n", most_events_, "End after so many events");
     app.add_option("--for", most_time_, "End after this time");
   }
@@ -112,6 +113,8 @@ class StandingCommand : public Command {
       else printer.record(record(listed));
     }
     printer.finish();
+    if (all.empty())
+      print_hint(session.io, globals, fmt::format("no {}s; 'collide {} add' makes one", called_.one, called_.verb));
     return all.empty() ? Exit::no : Exit::yes;
   }
 

@@ -188,6 +188,22 @@ class ClearanceCommand : public GroupCommand {
 };
 
 class ClashCommand : public GroupCommand {
+ public:
+  Exit run(Session& session, const Globals& globals) override {
+    try {
+      return GroupCommand::run(session, globals);
+    } catch (const Failure& failure) {
+      // The library names its own call, and the group may have been meant as a file.
+      std::string said = failure.what();
+      constexpr std::string_view kCall = "clearance: ";
+      if (const std::size_t at = said.find(kCall); at != std::string::npos) said.replace(at, kCall.size(), "clash: ");
+      if (!std::filesystem::path(of_).has_extension() || said.find("is not in the world") == std::string::npos)
+        throw Failure(failure.code, said, failure.hint);
+      throw Failure(failure.code, said,
+                    fmt::format("no file of this name in {} either", std::filesystem::current_path().string()));
+    }
+  }
+
  private:
   void declare_own(CLI::App& app) override {
     app.add_option("group", of_, "A scene, a glob of objects (everything), or a file, which a server of its own reads");

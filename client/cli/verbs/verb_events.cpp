@@ -14,7 +14,8 @@
 namespace collided::cli {
 namespace {
 
-constexpr const char* kTimes = "2026-11-22T12:03:10.5Z, seconds since 1970, +2s after the begin or -2s before the end";
+constexpr const char* kRecordedTimes =
+    "2026-11-22T12:03:10.5Z, seconds since 1970, +2s after the begin or -2s before the end";
 
 class EventsCommand : public Command {
  public:
@@ -31,8 +32,8 @@ class EventsCommand : public Command {
   }
 
   Exit run(Session& session, const Globals& globals) override {
-    if (!from_.empty()) options_.from = parse_time("--from", from_, kTimes);
-    if (!to_.empty()) options_.to = parse_time("--to", to_, kTimes);
+    if (!from_.empty()) options_.from = parse_time("--from", from_, kRecordedTimes);
+    if (!to_.empty()) options_.to = parse_time("--to", to_, kRecordedTimes);
     if (of_ == "contacts") {
       const RecordedEvents recorded = take(recorded_events(path_, options_));
       return print(session, globals, recorded, recorded.events, usual_event_fields(), event_line, event_record);

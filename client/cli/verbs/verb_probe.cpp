@@ -132,6 +132,10 @@ class ProbeCommand : public Command {
                    clearance_text(reading, printer.digits()), printable(reading.met)});
     }
     printer.finish();
+    if (readings.empty())
+      print_hint(session.io, globals,
+                 options_.only.empty() ? "no probes; 'collide probe NAME --on OBJECT X Y Z DX DY DZ' makes one"
+                                       : fmt::format("no probe's name matches '{}'", printable(options_.only)));
     return readings.empty() ? Exit::no : Exit::yes;
   }
 

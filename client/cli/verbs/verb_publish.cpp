@@ -36,7 +36,7 @@ class PublishCommand : public Command {
     app.add_option(
         "file", file_,
         "Poses (.csv, -), a motion capture (.bvh), with --joints a robot (.urdf), with --voxels a scan (.pcd, .xyz)");
-    declare_group(app, "Pace", {"--rate", "--speed", "--loop", "--stay", "--steps", "--for"});
+    declare_group(app, "Pace", {"--rate", "--speed", "--gap", "--loop", "--stay", "--steps", "--for"});
     declare_group(app, "Objects", {"--shape", "--name", "--solid", "--layers", "--mask", "--when-lost", "--as"});
     declare_group(app, "Motion capture", {"--unit", "--radius", "--bone-radius", "--up", "--group"});
     declare_group(app, "Robot", {"--joints", "--at", "--rpy", "--beyond-limits", "--package"});
@@ -119,7 +119,15 @@ class PublishCommand : public Command {
     loop.stay = setting("--stay").flag;
     if (given("--steps")) loop.most_frames = parse_count(text("--steps"), 1);
     if (given("--for")) loop.most_time = parse_duration(text("--for"));
+    if (given("--gap")) loop.gap = gap_of(text("--gap"));
     return loop;
+  }
+
+  static std::chrono::nanoseconds gap_of(const std::string& text) {
+    const std::chrono::nanoseconds gap = parse_duration(text);
+    if (gap < std::chrono::milliseconds(1) || gap > std::chrono::seconds(8))
+      throw bad_use(fmt::format("--gap {}; allowed 1ms to 8s", text));
+    return gap;
   }
 
   ObjectTexts object_texts() {
@@ -283,6 +291,7 @@ class PublishCommand : public Command {
   std::vector<Setting> settings_{
       {"--rate", {}, "Frames a second (recordings: their own times; spheres 60, path 100)"},
       {"--speed", {}, "Of a recording: times faster (1); of spheres and paths: m/s (0.5, 1)"},
+      {"--gap", {}, "Poses of an object at most this far apart connect; beyond, it rested until one gap before (1.5s)"},
       {"--loop", {Kind::poses, Kind::recording, Kind::robot, Kind::path, Kind::voxels}, "Again from the start"},
       {"--stay", {}, "After the last frame: keep the objects until Ctrl-C"},
       {"--steps", {}, "End after so many frames"},

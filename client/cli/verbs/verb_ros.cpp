@@ -23,6 +23,7 @@ constexpr std::chrono::milliseconds kRosWait{20};         // a publisher must sp
 constexpr std::chrono::milliseconds kRosFind{500};        // from one look for new objects to the next
 constexpr std::chrono::milliseconds kRosShowAgain{1000};  // the same, where nothing changes: for readers that come late
 constexpr std::chrono::milliseconds kRosShow{100};        // from one message of contacts to the next
+constexpr std::chrono::milliseconds kRosRefused{5000};    // from one look for refused publishers to the next
 constexpr std::chrono::milliseconds kRosTell{1000};       // from one message of diagnostics to the next
 constexpr std::size_t kRosMostContacts = 10'000;          // shown at a time
 
@@ -106,6 +107,7 @@ class RosCommand : public Command {
         {.fixed = follow_.fixed, .clearance_of = clearance_, .shows_objects = shows_objects_, .sends_tf = sends_tf_});
     print_hint(session.io, globals, "follows frames; Ctrl-C ends");
     const Clock::time_point end = for_.empty() ? Clock::time_point::max() : Clock::now() + duration();
+    Clock::time_point refused_at = Clock::now() + kRosRefused;
     Clock::time_point find_at = Clock::now(), shown = Clock::now(), told = Clock::now() - kRosTell;
     bool is_shown = true;
     while (!stop_requested && Clock::now() < end) {
@@ -125,6 +127,10 @@ class RosCommand : public Command {
         find(session.io, globals, bridge);
         find_at = Clock::now() + kRosFind;
       }
+      if (Clock::now() >= refused_at) {
+        look_for_refusals(session.io, publisher);
+        refused_at = Clock::now() + kRosRefused;
+      }
       static_cast<void>(publisher.keep_alive());
       is_shown = !contacts.take() && is_shown;
       if (Clock::now() >= (is_shown ? shown + kRosShowAgain : shown + kRosShow)) {
@@ -137,6 +143,7 @@ class RosCommand : public Command {
         told = Clock::now();
       }
     }
+    look_for_refusals(session.io, publisher);
     return report(session.io, globals, bridge);
   }
 
@@ -302,6 +309,21 @@ class RosCommand : public Command {
     }
   }
 
+  /// Without this a bridge whose objects never enter the world would run like any other. It goes on: they enter once there is
+  /// room.
+  void look_for_refusals(Io& io, Publisher& of_frames) {
+    constexpr std::chrono::milliseconds kPatience{200};
+    refused_.clear();
+    for (Publisher* const publisher : {&of_frames, clouds_in_->publisher(), markers_in_->publisher()}) {
+      if (publisher == nullptr) continue;
+      const Result<PublisherReport> found = publisher->report(kPatience);
+      if (found && !found->refused.empty()) refused_ = found->refused;
+    }
+    if (!refused_.empty() && refused_ != last_refused_)
+      print_warning(io, "the server takes nothing of a publisher of this bridge: " + refused_);
+    last_refused_ = refused_;
+  }
+
   Exit report(Io& io, const Globals& globals, ros::Bridge& bridge) const {
     const ros::BridgeCounts& counts = bridge.counts();
     const ros::CloudCounts& clouds = clouds_in_->counts();
@@ -323,7 +345,8 @@ class RosCommand : public Command {
     printer.set_usual_fields({"messages", "transforms", "frames", "objects", "poses", "unsent"});
     if (printer.human()) print_report(printer, bridge);
     else printer.record(record);
-    return stop_requested ? Exit::interrupted : Exit::yes;
+    if (stop_requested) return Exit::interrupted;
+    return refused_.empty() ? Exit::yes : Exit::refused;
   }
 
   void print_report(Printer& printer, ros::Bridge& bridge) const {
@@ -371,6 +394,8 @@ class RosCommand : public Command {
   std::string unknown_ = "free";
   std::string clearance_;
   std::set<std::string> told_;
+  std::string refused_;  // why the server takes nothing of one of the publishers; empty: it does
+  std::string last_refused_;
   std::optional<ros::LiveClouds> clouds_in_;
   std::optional<ros::MarkerObjects> markers_in_;
   std::int64_t clock_ns_ = 0;  // of /clock; 0: it has not come yet

@@ -14,6 +14,7 @@
 #include "client/cli/pace.hpp"
 #include "idl/commands.hpp"
 #include "client/cli/output/terminal_width.hpp"
+#include "idl/terminal_text.hpp"
 
 namespace collided::cli {
 namespace {
@@ -67,7 +68,8 @@ class Screen {
     std::ostream& out = io_.out;
     out << "\x1b[H";
     // No line end after the last one: on a full screen it would scroll.
-    for (std::size_t i = 0; i < lines.size(); ++i) out << (i == 0 ? "" : "\r\n") << lines[i] << "\x1b[K";
+    for (std::size_t i = 0; i < lines.size(); ++i)
+      out << (i == 0 ? "" : "\r\n") << wire_contract::terminal_text(lines[i], true) << "\x1b[K";
     (out << "\x1b[J").flush();
   }
 
@@ -187,7 +189,8 @@ class TopCommand : public Command {
     screen.reset();
     // A page that ends by its count leaves its last figures; one that is left by a key was read.
     if (until.reached(count) && !stop_requested) {
-      for (const std::string& line : top.lines(terminal_width(session.io), 0)) session.io.out << line << '\n';
+      for (const std::string& line : top.lines(terminal_width(session.io), 0))
+        session.io.out << wire_contract::terminal_text(line, true) << '\n';
     }
     session.io.out.flush();
     return stop_requested ? Exit::interrupted : Exit::yes;

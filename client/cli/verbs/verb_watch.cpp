@@ -140,8 +140,9 @@ class WatchCommand : public Command {
     print_hint(session.io, globals,
                fmt::format("{} event{} in {}, {} lost", format_count(count), count == 1 ? "" : "s",
                            format_duration(Clock::now() - start), format_count(watch.lost())));
-    tell_of_posts(session, globals);
+    const Exit posted = report_posts(session, globals);
     if (stop_requested) return Exit::interrupted;
+    if (posted != Exit::yes) return posted;
     return count > 0 ? Exit::yes : Exit::no;
   }
 
@@ -190,14 +191,20 @@ class WatchCommand : public Command {
     return wire_contract::since_1970() + time.offset;
   }
 
-  /// What became of the events that were to be posted.
-  void tell_of_posts(Session& session, const Globals& globals) {
-    if (!poster_) return;
+  /// Reports what became of the events to be posted, and whether all of them were.
+  Exit report_posts(Session& session, const Globals& globals) {
+    if (!poster_) return Exit::yes;
     const EventPoster::PostCounts counts = poster_->finish(kPostsEnd);
     const std::string why = counts.last_failure.empty() ? "" : fmt::format("; last failure: {}", counts.last_failure);
-    print_hint(session.io, globals,
-               fmt::format("{} posted, {} dropped, {} refused{}", format_count(counts.posted),
-                           format_count(counts.dropped), format_count(counts.refused), why));
+    const std::string report = fmt::format("{} posted, {} dropped, {} refused{}", format_count(counts.posted),
+                                           format_count(counts.dropped), format_count(counts.refused), why);
+    if (counts.dropped == 0 && counts.refused == 0) {
+      print_hint(session.io, globals, report);
+      return Exit::yes;
+    }
+    const Exit outcome = counts.posted == 0 ? Exit::refused : Exit::partly_refused;
+    print_failure(session.io, globals, Failure(outcome, fmt::format("--post {}: {}", *post_url_, report)));
+    return outcome;
   }
 
   WatchOptions options_;

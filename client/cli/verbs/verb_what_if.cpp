@@ -149,7 +149,7 @@ class WhatIfCommand : public Command {
       warn_of(session, reader);
       if (!next->refusal.empty()) {
         ++counts_.refused;
-        session.io.err << "error: " << next->refusal << "; this configuration was not asked about\n";
+        print_error(session.io, next->refusal + "; this configuration was not asked about");
         continue;
       }
       ids_.push_back(std::move(next->id));

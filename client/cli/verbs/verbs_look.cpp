@@ -209,12 +209,16 @@ class ListCommand : public Command {
     if (objects.size() < count)
       print_hint(session.io, globals,
                  fmt::format("{} of {} objects; --limit shows more", objects.size(), format_count(count)));
-    if (objects.empty() && !glob_.empty() && !moving_ && !static_)
-      print_hint(session.io, globals, fmt::format("no object's name matches '{}'", printable(glob_)));
+    if (objects.empty()) print_hint(session.io, globals, none_line());
     return objects.empty() ? Exit::no : Exit::yes;
   }
 
  private:
+  std::string none_line() const {
+    const std::string_view kind = moving_ ? "moving object" : static_ ? "static object" : "object";
+    if (!glob_.empty()) return fmt::format("no {}'s name matches '{}'", kind, printable(glob_));
+    return fmt::format("no {}s; 'collide load FILE' and 'collide add' put some into the world", kind);
+  }
   static void print(Printer& printer, const nlohmann::json& object) {
     if (printer.human()) {
       const MaybeVector position = vector_of(object, "position");

@@ -28,8 +28,8 @@
 #include <collided/shown_objects.hpp>
 #include <collided/what_if.hpp>
 
-/// The client of a collision server: connect, ask, watch, and change what is there. This header includes all the others
-/// except recording.hpp, diagnosis.hpp and fleet.hpp.
+/// The client of a collision server: connect, ask, watch, and change what is there. This header includes what these calls
+/// need. Separate are: certificate, containment, diagnosis, fleet, recording, robot, shards, voxels, vcollide.
 ///
 /// units    metres, seconds, right-handed frames; quaternions w first; times as std::chrono::nanoseconds
 /// errors   calls return a Result and throw no exceptions of their own
@@ -48,6 +48,9 @@ struct ConnectOptions {
   std::string keys = {};  // folder of keys, as `collide keys` makes them, for a server that has some; empty: none
 
   bool replicas = true;  // questions go to replicas of the server too, where there are some; see AskOptions
+  /// No longer than `wait`. Without it a server of this machine is given more time where one is found but busy, or where
+  /// the machine has more to do than it can.
+  bool wait_is_limit = false;
 
   /// The options as the command line takes them: COLLIDED_DOMAIN (else ROS_DOMAIN_ID), COLLIDED_NAMESPACE,
   /// COLLIDED_INTERFACE and COLLIDED_KEYS where they are set, the defaults above where not. Error bad_input for an invalid domain.
@@ -184,7 +187,7 @@ class Client {
 
   /// Adds a fence. One that is not kept goes when this client does.
   Result<void> add_fence(const Fence& fence);
-  /// Adds many in few messages. An error says how many of a message came before it; those stay, and so do earlier messages'.
+  /// Adds many in few messages. If one is refused, none of its message is added; those of earlier messages stay.
   Result<void> add_fences(std::span<const Fence> fences);
   /// Removes fences by name or glob, and returns how many there were.
   Result<std::size_t> remove_fences(const std::string& name);
@@ -246,8 +249,8 @@ class Client {
   /// Becomes a publisher of objects and their poses. Waits, as long as ConnectOptions::wait, until the server listens.
   Result<Publisher> publish(const std::string& publisher_name, const PublishOptions& options = {});
 
-  // Commands that change the world. What they add stays until it is removed, even when this client has gone, and after
-  // a crash the server restores it. Error refused where the server says no, with its reason.
+  // Commands that change the world. What they add stays when this client disconnects, until it is removed or the
+  // server stops; after a crash the server restores it. Error refused if the server refuses, with its reason.
 
   /// Adds an object without a publisher. Its name must be free in the world.
   Result<Added> add(const ObjectOptions& object, std::chrono::nanoseconds timeout = std::chrono::seconds(10));

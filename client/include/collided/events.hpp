@@ -54,6 +54,10 @@ struct Event {
   /// Other than none: from the pair's `began` to its `ended` it is not known whether the two touch, and there is no
   /// point, normal or depth. Such a pair is reported as one that touches, which errs on the safe side.
   Doubt doubt = Doubt::none;
+  /// The server had more poses than it could apply: newer ones replaced some of one of the two (PublisherReport), which then
+  /// went straight between those that were left. The event is one of that way; on the way that was published it may have been
+  /// earlier, later or not at all.
+  bool poses_merged = false;
   /// Whether one lies wholly within the other, a declared solid, without meeting its surface: after the event, and of
   /// `emerged` before it. Of `began` it is none: `contained` says so next.
   Containment contained = Containment::none;

@@ -44,7 +44,7 @@ struct Fence {
   bool enter = true;
   bool exit = true;
   bool cross = true;
-  /// It stays until it is removed, and comes back after a crash of the server. Else it goes with the client.
+  /// It stays until it is removed or the server stops, and comes back after a crash. Else it goes with the client.
   bool keep = false;
 };
 
@@ -59,6 +59,8 @@ struct FenceEvent {
   EndReason reason = EndReason::none;
   /// Other than none: it is not known whether the object is in the fence, which is told as if it were.
   Doubt doubt = Doubt::none;
+  /// As of contacts: the server replaced poses of the object, or of what the fence moves with, by newer ones (Event).
+  bool poses_merged = false;
   bool resync = false;  // inferred from who is in: after a gap, or from a new server
   std::string object;
   std::string fence;

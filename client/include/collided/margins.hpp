@@ -26,7 +26,7 @@ struct Margin {
   std::vector<double> bands_m = {};   // metres, the widest first; at most seven besides contact, which is always one
   double hysteresis_m = 0;            // who is within a band leaves it beyond the band plus this
   std::chrono::nanoseconds dwell{0};  // a change is told once it has lasted so long, up to an hour; contact at once
-  /// It stays until it is removed, and comes back after a crash of the server. Else it goes with the client.
+  /// It stays until it is removed or the server stops, and comes back after a crash. Else it goes with the client.
   bool keep = false;
 };
 
@@ -42,6 +42,8 @@ struct MarginEvent {
   /// Other than none: it is not known whether the two are in the band, or whether a change lasted long enough, which is
   /// told as if so.
   Doubt doubt = Doubt::none;
+  /// As of contacts: the server replaced poses of one of the two by newer ones (Event).
+  bool poses_merged = false;
   bool resync = false;  // inferred from the state: after a gap, or from a new server
   std::string margin;
   std::string object;                      // the one that moved against the other's bands

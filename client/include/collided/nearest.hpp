@@ -30,7 +30,7 @@ struct NearestQuestion {
   double hysteresis_m = 0;          // another one must be nearer by more than this; the last one may be so much farther
   std::string skip = {};            // name glob of objects that do not count; empty: none
   std::uint32_t mask = 0xffffffff;  // objects of which a layer is in it count
-  /// It stays until it is removed, and comes back after a crash of the server. Else it goes with the client.
+  /// It stays until it is removed or the server stops, and comes back after a crash. Else it goes with the client.
   bool keep = false;
 };
 
@@ -44,6 +44,8 @@ struct NearestEvent {
   EndReason reason = EndReason::none;
   /// Other than none: `to` or what it is nearest to is where a lost publisher said last, and there is no distance.
   Doubt doubt = Doubt::none;
+  /// As of contacts: the server replaced poses of `to` or what it is nearest to by newer ones (Event).
+  bool poses_merged = false;
   bool resync = false;                     // inferred from the state: after a gap, or from a new server
   std::string nearest;                     // name of the question
   std::string from;                        // the object that was nearest; empty: none, or that is not known

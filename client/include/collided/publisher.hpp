@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include <collided/result.hpp>
 #include <collided/shapes.hpp>
@@ -18,7 +19,7 @@ class ShardedPublishing;
 }
 
 /// What becomes of an object when its publisher is lost.
-/// remove  it leaves the world
+/// remove  it leaves the world some seconds later (`collided --forget-after`), and is stale until then
 /// freeze  it stays where it was said to be last, but stale, since it may have moved on: answers that it could change
 ///         are undecided
 /// hold    it stays there as if known
@@ -52,14 +53,45 @@ struct ObjectOptions {
 struct PublishOptions {
   /// Without a call for this long the server counts it as lost. 100 ms to a day.
   std::chrono::nanoseconds lease{500'000'000};
+  /// Two poses of an object that are no farther apart connect: between them it goes straight. Beyond, it rested until one
+  /// gap before the later pose. Choose it longer than the period of a source; a source that speaks once a second fits the
+  /// 1.5 s. A longer gap has an object that rests and then moves off seem to leave earlier, and contacts of an object of
+  /// which nothing is said are decided a gap late. 1 ms to 8 s.
+  std::chrono::nanoseconds gap{1'500'000'000};
+};
+
+/// What Publisher::flush sent, and what it has to report.
+struct FlushReport {
+  std::uint64_t sequence = 0;  // number of the last message that carries a pose or an object
+  /// Empty unless the server had counted this publisher as lost since the last flush: then how that came and what helps.
+  /// This call has brought the publisher back, with all its objects.
+  std::string lost = {};
+  operator std::uint64_t() const { return sequence; }
+};
+
+/// Which objects of a publisher are missing from the world, and why.
+struct PublisherReport {
+  /// An object that is not in the world as it was defined, and why.
+  struct MissingObject {
+    std::string name;
+    std::string why;
+  };
+  std::string refused;                  // why the server takes nothing of this publisher; empty: it does
+  std::vector<MissingObject> left_out;  // at most 20 of them
+  std::uint64_t left_out_count = 0;     // all of them
+  /// Poses that a newer one of the same object replaced, since the server had more than it could apply. The object then
+  /// moved straight from the pose before them to the one after, and contacts on the way that was published may be missing.
+  std::uint64_t merged_poses = 0;
 };
 
 /// A source of objects and their poses, made by Client::publish. Its objects live as long as it does unless removed
 /// earlier; its destructor removes them. move() collects poses, and flush() sends them in batches of at most 4,096.
 ///
-/// Only calls of its functions tell the server that it is alive, so that a program that hangs is noticed: after its lease
-/// (PublishOptions) without one the server counts it as lost and applies ObjectOptions::lost_policy. The next call then defines all its
-/// objects again, at their newest poses; it does the same for a new server.
+/// Only calls of its functions show the server that it is alive, so that a program that hangs is noticed: after its lease
+/// (PublishOptions) without one the server counts it as lost. Its objects are then stale, and answers that they could change
+/// undecided, until the server applies ObjectOptions::lost_policy, 5 s later unless `collided --forget-after` says otherwise.
+/// The next call defines all its objects again, at their newest poses, and flush() reports the loss; it does the same for a new
+/// server.
 ///
 /// errors   bad_input for an object that is not (any more) this publisher's, and for numbers that cannot be meant;
 ///          timeout where the server takes no more messages: what was not sent stays collected for the next flush
@@ -97,19 +129,27 @@ class Publisher {
   ///
   /// source_time  when the objects were there, since 1970; 0: now. A time before that of an earlier flush counts as the
   ///              nanosecond after it
-  /// returns      the sequence number of the last message that carries a pose or an object
-  Result<std::uint64_t> flush(std::chrono::nanoseconds source_time = {});
+  Result<FlushReport> flush(std::chrono::nanoseconds source_time = {});
   /// From now on a flush says nothing about objects that were not moved: each one moves between its own poses. For
-  /// sources whose objects have separate instants. An object that is not moved for 250 ms counts as at rest until 250
-  /// ms before its next pose.
+  /// sources whose objects have separate instants. An object that is not moved for longer than PublishOptions::gap counts as
+  /// at rest until one gap before its next pose.
   void stream();
-  /// Tells the server that this publisher is alive, without moving anything; move() and flush() do so too.
-  Result<void> keep_alive();
+  /// Shows the server that this publisher is alive; move() and flush() do so too. It says nothing about where objects are:
+  /// between its poses an object goes straight up to PublishOptions::gap, and contacts with other publishers' objects are
+  /// decided up to one gap before now. flush() says that what was not moved has rested.
+  ///
+  /// source_time  the publisher's time now, for one that gives flush() its times; 0: the library's clock, if flush() had
+  ///              none either
+  Result<void> keep_alive(std::chrono::nanoseconds source_time = {});
   /// Waits until the server has applied every object and pose sent so far. It does not wait for a flush without poses,
   /// which only says how far the time has come: Answers::world_time shows when that has arrived. Error refused where an
   /// object is not in the world as it was defined, since its name is taken or the server refused it: the message says
-  /// why, of the first one. The other objects are in the world.
+  /// why, of the first one. The other objects are in the world. Error refused too where the server takes nothing of this
+  /// publisher, since it has too many. A silent server is waited for until the timeout.
   Result<void> wait_applied(std::chrono::nanoseconds timeout);
+  /// Asks the server what it has not taken as it was published; one round trip. After wait_applied() that counts every
+  /// object and pose sent before.
+  Result<PublisherReport> report(std::chrono::nanoseconds timeout);
 
  private:
   friend class Client;

@@ -83,6 +83,17 @@ class Robot {
   /// error      of a position at most 4e-14 times the sum of the lengths on the way to it, for up to 32 joints
   std::vector<Pose> link_poses(std::span<const double> positions, const Pose& base = {}) const;
 
+  /// How far a link leaves its arc.
+  struct ChordError {
+    double metres = 0;     // of the link's origin
+    std::size_t link = 0;  // the one that leaves it farthest
+  };
+  /// Between two poses the server takes a link along a straight line, while the joints would take it along an arc: how far
+  /// the two are apart for a step from one set of positions to another, as found at a quarter, half and three quarters of it.
+  ///
+  /// from, to  one a joint
+  ChordError chord_error(std::span<const double> from, std::span<const double> to) const;
+
  private:
   friend class RobotReader;
   double position_of(std::size_t joint, std::span<const double> positions) const;
@@ -136,6 +147,8 @@ struct PublishedRobotOptions {
 /// threads  one call at a time
 class PublishedRobot {
  public:
+  static constexpr double kChordToWarn_m = 1e-3;
+
   /// Claims the links of a robot that was loaded as moving (LoadOptions::moving), and places them. Links without a
   /// collision shape are no objects. Error refused where none is in the world, or one cannot be claimed: it stands
   /// still, or another publisher has it; bad_input as of Robot::set().
@@ -143,7 +156,8 @@ class PublishedRobot {
                                       const PublishedRobotOptions& options = {});
 
   /// Moves the links to where the joints put them; the next flush() of the publisher sends it. Errors and warnings as of
-  /// Robot::set(); with an error nothing moves. What is not named stays.
+  /// Robot::set(); with an error nothing moves. A step in which a link leaves its arc by more than kChordToWarn_m is a warning
+  /// too: contacts may be reported that the robot does not have, and others missed. Joints that are not named stay.
   ///
   /// teleport  the links are placed there, and what lies between is not touched
   Result<std::vector<std::string>> set_joints(Publisher& publisher, std::span<const JointValue> values,

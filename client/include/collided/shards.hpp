@@ -63,11 +63,13 @@ class ShardedPublisher {
   /// As Publisher::flush, on every shard. Contacts are decided up to the last flush.
   ///
   /// source_time  when the objects were there, since 1970; 0: now. The same for all shards
-  Result<void> flush(std::chrono::nanoseconds source_time = {});
+  Result<FlushReport> flush(std::chrono::nanoseconds source_time = {});
   /// As Publisher::keep_alive, on every shard.
-  Result<void> keep_alive();
+  Result<void> keep_alive(std::chrono::nanoseconds source_time = {});
   /// Waits until every shard that is there has applied what it was sent.
   Result<void> wait_applied(std::chrono::nanoseconds timeout);
+  /// As Publisher::report, of all shards that are there together. An object that several shards lack counts in each.
+  Result<PublisherReport> report(std::chrono::nanoseconds timeout);
   /// How many shards hold an object of this publisher now, summed over its objects; for figures of borders.
   std::size_t copies() const;
 

@@ -10,6 +10,9 @@ namespace {
 using wire_contract::NumberField;
 using wire_contract::NumberRule;
 
+constexpr const char* kTooLarge = ": allowed are numbers up to 1e290";
+static_assert(wire_contract::kMostCoordinate == 1e290);
+
 }  // namespace
 
 std::optional<std::string> fault(const NumberField& field, const double* row) {
@@ -17,14 +20,17 @@ std::optional<std::string> fault(const NumberField& field, const double* row) {
   if (wire_contract::is_kept(field, numbers)) { return std::nullopt; }
   std::string text = field.name;
   bool is_finite = true;
+  bool is_zero = true;
   for (std::size_t i = 0; i < field.count; ++i) {
     text += ' ' + words(numbers[i]);
     is_finite = is_finite && std::isfinite(numbers[i]);
+    is_zero = is_zero && numbers[i] == 0;
   }
   switch (field.rule) {
-    case NumberRule::point: return text + " is not finite";
-    case NumberRule::direction: return text + (is_finite ? " has no direction" : " is not finite");
-    case NumberRule::size: return text + ": allowed 0 or more, and finite";
+    case NumberRule::point: return text + (is_finite ? kTooLarge : " is not finite");
+    case NumberRule::direction:
+      return text + (!is_finite ? " is not finite" : is_zero ? " has no direction" : kTooLarge);
+    case NumberRule::size: return text + ": allowed 0 to 1e290";
     case NumberRule::reach: return text + ": allowed 0 to inf";
     case NumberRule::rotation: break;
   }

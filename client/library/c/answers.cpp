@@ -55,6 +55,19 @@ void put_hit(const collided_columns& to, std::size_t at, const Hit& hit) {
   if (to.time_high) to.time_high[at] = hit.time_high;
   if (to.inside) to.inside[at] = static_cast<std::uint8_t>(hit.by_winding ? 2 : hit.inside ? 1 : 0);
   if (to.stale) to.stale[at] = hit.stale ? 1 : 0;
+  if (to.by_winding) to.by_winding[at] = hit.by_winding ? 1 : 0;
+}
+
+/// The output columns of one question.
+void put_answer(const collided_columns& to, std::size_t at, const Answer& answer) {
+  if (to.verdict) to.verdict[at] = static_cast<std::uint8_t>(answer.verdict);
+  if (to.reason) to.reason[at] = static_cast<std::uint8_t>(answer.reason);
+  if (to.hit_count) to.hit_count[at] = static_cast<std::uint32_t>(answer.hits.size());
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const Uncovered nowhere{.point = Vec3::Constant(kNone), .covered_m = kNone};
+  const Uncovered uncovered = answer.uncovered.value_or(nowhere);
+  if (to.uncovered) put(uncovered.point, to.uncovered + 3 * at);
+  if (to.covered_m) to.covered_m[at] = uncovered.covered_m;
 }
 
 Hit no_hit() {
@@ -137,9 +150,7 @@ void collided_read_columns(const collided_answers* answers, const collided_colum
   std::size_t at = 0;
   for (std::size_t i = 0; i < answers->answers.answers.size(); ++i) {
     const Answer& answer = answers->answers.answers[i];
-    if (to.verdict) to.verdict[i] = static_cast<std::uint8_t>(answer.verdict);
-    if (to.reason) to.reason[i] = static_cast<std::uint8_t>(answer.reason);
-    if (to.hit_count) to.hit_count[i] = static_cast<std::uint32_t>(answer.hits.size());
+    put_answer(to, i, answer);
     if (to.first_hits) {
       put_hit(to, i, answer.hits.empty() ? none : answer.hits.front());
       continue;

@@ -13,6 +13,7 @@ Told lent(const NewsEvent& event) {
   told.reason = static_cast<std::int32_t>(event.reason);
   told.doubt = static_cast<std::int32_t>(event.doubt);
   told.resync = event.resync ? 1 : 0;
+  told.poses_merged = event.poses_merged ? 1 : 0;
   told.epoch = event.epoch;
   told.sequence = event.sequence;
   told.world_time_ns = event.world_time.count();

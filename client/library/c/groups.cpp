@@ -1,3 +1,4 @@
+#include <limits>
 #include <utility>
 
 #include "client/library/c/answers.hpp"
@@ -44,6 +45,8 @@ Result<Answers> clearance_answers(const Result<ClearanceAnswer>& said) {
   answer.verdict = said->verdict;
   answer.reason = said->cut && said->verdict != Verdict::undecided ? UndecidedReason::truncated : said->reason;
   for (const ClearancePair& pair : said->pairs) put_pair(pair, answer);
+  if (said->uncovered)
+    answer.uncovered = Uncovered{.point = *said->uncovered, .covered_m = std::numeric_limits<double>::quiet_NaN()};
   return made;
 }
 

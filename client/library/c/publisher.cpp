@@ -3,6 +3,18 @@
 using namespace collided;
 using namespace collided::c;
 
+namespace {
+
+collided_publish_options default_publish_options() {
+  const PublishOptions defaults;
+  collided_publish_options options{};
+  options.lease_ns = defaults.lease.count();
+  options.gap_ns = defaults.gap.count();
+  return options;
+}
+
+}  // namespace
+
 extern "C" {
 
 int collided_publish(collided_client* client, const char* name, collided_publisher** publisher, collided_error* error) {
@@ -11,13 +23,27 @@ int collided_publish(collided_client* client, const char* name, collided_publish
 
 int collided_publish_leased(collided_client* client, const char* name, int64_t lease_ns, collided_publisher** publisher,
                             collided_error* error) {
+  collided_publish_options options = default_publish_options();
+  options.size = sizeof options;
+  if (lease_ns != 0) options.lease_ns = lease_ns;
+  return collided_publish_with(client, name, &options, publisher, error);
+}
+
+void collided_publish_defaults(collided_publish_options* options, uint32_t size) {
+  if (!options) return;
+  options->size = size;
+  give(default_publish_options(), options);
+}
+
+int collided_publish_with(collided_client* client, const char* name, const collided_publish_options* options,
+                          collided_publisher** publisher, collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!client) return missing("client");
     if (!publisher) return missing("publisher");
     *publisher = nullptr;
-    PublishOptions options;
-    if (lease_ns != 0) options.lease = std::chrono::nanoseconds(lease_ns);
-    Result<Publisher> made = client->client.publish(text(name), options);
+    const collided_publish_options asked = taken(options, default_publish_options());
+    Result<Publisher> made = client->client.publish(
+        text(name), {.lease = std::chrono::nanoseconds(asked.lease_ns), .gap = std::chrono::nanoseconds(asked.gap_ns)});
     if (!made) return made.error();
     *publisher = new collided_publisher{std::move(*made)};
     return {};
@@ -81,9 +107,10 @@ int collided_publisher_flush(collided_publisher* publisher, int64_t source_time_
                              collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!publisher) return missing("publisher");
-    const Result<std::uint64_t> sent = publisher->publisher.flush(std::chrono::nanoseconds(source_time_ns));
+    const Result<FlushReport> sent = publisher->publisher.flush(std::chrono::nanoseconds(source_time_ns));
     if (!sent) return sent.error();
-    if (sequence) *sequence = *sent;
+    if (sequence) *sequence = sent->sequence;
+    note(sent->lost, error);
     return {};
   });
 }
@@ -95,10 +122,39 @@ int collided_publisher_wait_applied(collided_publisher* publisher, int64_t timeo
   });
 }
 
-int collided_publisher_keep_alive(collided_publisher* publisher, collided_error* error) {
+int collided_publisher_report(collided_publisher* publisher, int64_t timeout_ns, collided_report* report,
+                              collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!publisher) return missing("publisher");
-    return publisher->publisher.keep_alive();
+    Result<PublisherReport> found = publisher->publisher.report(std::chrono::nanoseconds(timeout_ns));
+    if (!found) return found.error();
+    publisher->report = std::move(*found);
+    publisher->names.clear();
+    publisher->reasons.clear();
+    for (const PublisherReport::MissingObject& object : publisher->report.left_out) {
+      publisher->names.push_back(object.name.c_str());
+      publisher->reasons.push_back(object.why.c_str());
+    }
+    collided_report told{};
+    told.refused = publisher->report.refused.c_str();
+    told.names = publisher->names.data();
+    told.reasons = publisher->reasons.data();
+    told.name_count = publisher->names.size();
+    told.left_out_count = publisher->report.left_out_count;
+    told.merged_poses = publisher->report.merged_poses;
+    give(told, report);
+    return {};
+  });
+}
+
+int collided_publisher_keep_alive(collided_publisher* publisher, collided_error* error) {
+  return collided_publisher_keep_alive_at(publisher, 0, error);
+}
+
+int collided_publisher_keep_alive_at(collided_publisher* publisher, int64_t source_time_ns, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!publisher) return missing("publisher");
+    return publisher->publisher.keep_alive(std::chrono::nanoseconds(source_time_ns));
   });
 }
 

@@ -35,6 +35,13 @@ int fail(const Error& error, collided_error* target) {
   return code;
 }
 
+void note(std::string_view text, collided_error* target) {
+  collided_error told{};
+  told.code = COLLIDED_OK;
+  put_text(text, told.message);
+  give(told, target);
+}
+
 Error missing(std::string_view what) {
   return {ErrorCode::bad_input, std::string(what) + " is null", "nothing was sent"};
 }

@@ -50,6 +50,8 @@ inline void put(const Vec3& from, double* to) { std::copy_n(from.data(), 3, to);
 /// Fills the caller's error and returns its code.
 int fail(const Error& error, collided_error* target);
 Error missing(std::string_view what);
+/// Fills the caller's error with what a call that went well has to report; an empty text: nothing.
+void note(std::string_view text, collided_error* target);
 
 /// Runs a call and turns its Result, or whatever it throws, into a code.
 template <class Call>

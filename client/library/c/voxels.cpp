@@ -17,7 +17,7 @@ std::chrono::nanoseconds time_of(std::int64_t time_ns) {
   return std::chrono::nanoseconds(time_ns == 0 ? wire_contract::since_1970_ns() : time_ns);
 }
 
-collided_voxel_options default_options() {
+collided_voxel_options default_voxel_options() {
   const VoxelOptions defaults;
   collided_voxel_options options{};
   options.cell_m = defaults.cell_m;
@@ -63,7 +63,7 @@ extern "C" {
 void collided_voxel_defaults(collided_voxel_options* options, uint32_t size) {
   if (!options) return;
   options->size = size;
-  give(default_options(), options);
+  give(default_voxel_options(), options);
 }
 
 int collided_voxels_start(collided_publisher* publisher, const char* name, const collided_voxel_options* options,
@@ -72,7 +72,7 @@ int collided_voxels_start(collided_publisher* publisher, const char* name, const
     if (!publisher) return missing("publisher");
     if (!voxels) return missing("voxels");
     *voxels = nullptr;
-    const collided_voxel_options asked = taken(options, default_options());
+    const collided_voxel_options asked = taken(options, default_voxel_options());
     if (asked.unknown < 0 || asked.unknown > 2 || asked.lost_policy < 0 || asked.lost_policy > 2)
       return Error{ErrorCode::bad_input, "voxels: unknown and lost policy are 0 to 2", "nothing was sent"};
     Result<PublishedVoxels> made = PublishedVoxels::start(publisher->publisher, text(name),

@@ -51,6 +51,10 @@ collided_event lent(const Event& event) {
   put(event.relative_velocity, told.relative_velocity);
   told.velocity_error = event.velocity_error;
   told.contained = static_cast<std::int32_t>(event.contained);
+  put(event.surface_normal, told.surface_normal);
+  told.surface_depth_m = event.surface_depth_m;
+  told.surface_depth_error_m = event.surface_depth_error_m;
+  told.poses_merged = event.poses_merged ? 1 : 0;
   return told;
 }
 

@@ -9,6 +9,7 @@
 #include "client/library/connection/replicas.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
 #include "idl/commands.hpp"
+#include "idl/outside_text.hpp"
 
 namespace collided::client {
 namespace {
@@ -135,7 +136,11 @@ Result<std::string> run_command(Connection& connection, std::string_view name, c
       }
     }
   }
-  return collector.text();
+  std::string answer = collector.text();
+  if (!wire_contract::command::may_answer_bytes(name) && wire_contract::nests_too_deep(answer)) {
+    return Error{ErrorCode::internal, std::string(name) + ": the server's answer nests too deep to be read", ""};
+  }
+  return answer;
 }
 
 }  // namespace

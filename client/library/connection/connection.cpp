@@ -105,13 +105,16 @@ void Connection::know_server_by(const dds::Sample<wire::Reply>& reply) {
 Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& options, dds::Role role) {
   const Clock::time_point began = Clock::now();
   const GreetingTurn turn(options);
-  const Clock::time_point deadline = Clock::now() + std::max(options.wait, nanoseconds(0));
+  const nanoseconds wait = std::max(options.wait, nanoseconds(0));
+  const Clock::time_point deadline = (options.wait_is_limit ? began : Clock::now()) + wait;
   try {
     const std::shared_ptr<Connection> connection(new Connection(options, join_domain(options, role)));
     // On a machine with more processes than it can run, a server that is there may need longer than somebody wants to
     // wait for one that is not.
     constexpr milliseconds kFoundPatience{10'000};
-    if (!connection->greet(deadline, std::max(deadline, Clock::now() + kFoundPatience), QueryRight::greet)) {
+    const Clock::time_point deadline_if_found =
+        options.wait_is_limit ? deadline : std::max(deadline, Clock::now() + kFoundPatience);
+    if (!connection->greet(deadline, deadline_if_found, QueryRight::greet)) {
       return connection->no_server(Clock::now() - began);
     }
     return connection;
@@ -182,7 +185,7 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
       next_hello = Clock::now() + hello_period;
       hello_period = std::min(2 * hello_period, kLastHelloPeriod);
     }
-    if (!is_beside_ && Clock::now() >= next_look) {
+    if (!is_beside_ && !options_.wait_is_limit && Clock::now() >= next_look) {
       next_look = Clock::now() + kFirstHelloPeriod;
       deadline = std::max(deadline, crowd.deadline(began, deadline_if_found));
     }

@@ -61,7 +61,8 @@ GreetingTurn::GreetingTurn(const ConnectOptions& options) {
       return;
     }
     const nanoseconds waited = Clock::now() - began;
-    if (bound == Bound::impossible || waited >= (is_machine_crowded() ? kTurnPatience * patience : patience)) break;
+    const bool has_more_time = !options.wait_is_limit && is_machine_crowded();
+    if (bound == Bound::impossible || waited >= (has_more_time ? kTurnPatience * patience : patience)) break;
     const auto most = static_cast<unsigned>(look.count());
     std::this_thread::sleep_for(milliseconds(most / 2 + random() % (most / 2 + 1)));
     look = std::min(2 * look, kLastLook);

@@ -16,7 +16,8 @@ namespace collided::client {
 /// threads  any
 class GreetingTurn {
  public:
-  /// Waits for a turn: for options.wait at most, on a crowded machine (see is_machine_crowded()) longer.
+  /// Waits for a turn: for options.wait at most, without options.wait_is_limit on a crowded machine (see
+  /// is_machine_crowded()) longer.
   explicit GreetingTurn(const ConnectOptions& options);
   ~GreetingTurn();
   GreetingTurn(const GreetingTurn&) = delete;

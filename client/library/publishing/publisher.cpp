@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <thread>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
@@ -28,9 +29,13 @@ constexpr nanoseconds kMostLease = std::chrono::hours(24);
 // Words in a lease: one may be late or lost.
 constexpr int kWordsInLease = 5;
 constexpr nanoseconds kLongestWordPeriod = std::chrono::milliseconds(100);
-// Longer than the time between two poses of a moving object.
-constexpr nanoseconds kAtRest = std::chrono::milliseconds(500);
+// While nothing is flushed, the time is said this often: pairs with other publishers' objects wait for it.
+constexpr nanoseconds kSaidTimePeriod = std::chrono::milliseconds(250);
+constexpr nanoseconds kLeastGap{wire_contract::kLeastGapNs};
+constexpr nanoseconds kMostGap{wire_contract::kMostGapNs};
 constexpr nanoseconds kLeastCommandTimeout = std::chrono::milliseconds(500);
+// Several statuses: a publisher that the server has taken is listed by then.
+constexpr nanoseconds kListedSoon = std::chrono::milliseconds(300);
 constexpr std::int64_t kGoodbyeSliceNs = 10'000'000;
 
 std::optional<std::string> pose_fault(const Pose& pose) {
@@ -63,16 +68,19 @@ Result<void> Publisher::reshape(Object object, const Shape& shape) { return stat
 Result<void> Publisher::move(Object object, const Pose& pose, bool teleport) {
   return state_->move(object, pose, teleport);
 }
-Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds source_time) { return state_->flush(source_time); }
+Result<FlushReport> Publisher::flush(std::chrono::nanoseconds source_time) { return state_->flush(source_time); }
 void Publisher::stream() { state_->stream(); }
-Result<void> Publisher::keep_alive() { return state_->keep_alive(); }
+Result<void> Publisher::keep_alive(nanoseconds source_time) { return state_->keep_alive(source_time); }
 Result<void> Publisher::wait_applied(std::chrono::nanoseconds timeout) { return state_->wait_applied(timeout); }
+Result<PublisherReport> Publisher::report(std::chrono::nanoseconds timeout) { return state_->report(timeout); }
 
 Publisher::State::State(std::shared_ptr<client::Connection> connection, const std::string& name,
                         const PublishOptions& options)
     : connection_(std::move(connection)),
       publisher_(client::random_number()),
       incarnation_(static_cast<std::uint64_t>(wire_contract::since_1970_ns())),
+      lease_(options.lease),
+      gap_(options.gap),
       word_period_(std::min(options.lease / kWordsInLease, kLongestWordPeriod)),
       server_(connection_->pulse().server()),
       outages_(connection_->pulse().outages()),
@@ -94,6 +102,10 @@ Result<std::unique_ptr<Publisher::State>> Publisher::State::start(std::shared_pt
     return bad_input("publisher '" + name + "': its lease is " + client::words(options.lease) +
                      "; allowed 100 ms to a day");
   }
+  if (options.gap < kLeastGap || options.gap > kMostGap) {
+    return bad_input("publisher '" + name + "': its gap is " + client::words(options.gap) + "; allowed " +
+                     client::words(kLeastGap) + " to " + client::words(kMostGap));
+  }
   try {
     std::unique_ptr<State> state(new State(std::move(connection), name, options));
     // Batches are volatile: one written before the server's reader is matched would be lost.
@@ -104,6 +116,7 @@ Result<std::unique_ptr<Publisher::State>> Publisher::State::start(std::shared_pt
     if (!client::wait_until(deadline, is_read)) {
       return Error{ErrorCode::no_server, "publisher '" + name + "': the server does not read poses", ""};
     }
+    if (auto error = state->write_gap()) { return *error; }
     return state;
   } catch (const dds::DdsError& failed) { return client::failure_of(failed); }
 }
@@ -236,7 +249,7 @@ Result<void> Publisher::State::move(Object object, const Pose& pose, bool telepo
   return {};
 }
 
-Result<std::uint64_t> Publisher::State::flush(nanoseconds source_time) {
+Result<FlushReport> Publisher::State::flush(nanoseconds source_time) {
   const std::lock_guard lock(mutex_);
   if (auto error = say_alive()) { return *error; }
   has_own_clock_ = source_time.count() == 0;
@@ -245,7 +258,7 @@ Result<std::uint64_t> Publisher::State::flush(nanoseconds source_time) {
   }
   for (const std::uint32_t number : entering_) objects_.note_entered(number);
   entering_.clear();
-  return sequence_;
+  return FlushReport{.sequence = sequence_, .lost = std::exchange(lost_, {})};
 }
 
 void Publisher::State::stream() {
@@ -258,19 +271,38 @@ void Publisher::State::announce() {
   is_announced_ = true;
 }
 
-/// Where nothing was moved for long, says that everything rests, so that contacts with other publishers' objects need
-/// not wait for the next flush. Only while times are the library's own, since a time given by the user may be before
-/// now.
-std::optional<Error> Publisher::State::say_at_rest() {
-  const bool is_due = has_own_clock_ && objects_.waiting().empty() && Clock::now() - last_instant_ > kAtRest;
-  return is_due ? write_instant(wire_contract::since_1970_ns()) : std::nullopt;
+/// So that contacts with other publishers' objects need not wait for the next flush. Nothing is known of the user's own
+/// clock, which may be before now.
+std::optional<Error> Publisher::State::say_time(std::int64_t time_ns) {
+  if (time_ns == 0 && has_own_clock_) time_ns = wire_contract::since_1970_ns();
+  const bool is_due = time_ns != 0 && Clock::now() - last_instant_ > kSaidTimePeriod;
+  return is_due ? write_instant(time_ns, true) : std::nullopt;
 }
 
-Result<void> Publisher::State::keep_alive() {
+Result<void> Publisher::State::keep_alive(nanoseconds source_time) {
   const std::lock_guard lock(mutex_);
   if (auto error = say_alive()) { return *error; }
-  if (auto error = say_at_rest()) { return *error; }
+  if (auto error = say_time(source_time.count())) { return *error; }
   return {};
+}
+
+Result<PublisherReport> Publisher::State::report(nanoseconds timeout) {
+  const Result<std::string> answer =
+      client::command(*connection_, wire_contract::command::kLeftOut, {{"publisher", publisher_}}, timeout);
+  if (!answer) { return answer.error(); }
+  const nlohmann::json parsed = nlohmann::json::parse(*answer, nullptr, false);
+  const auto objects = parsed.is_object() ? parsed.find("objects") : parsed.end();
+  if (!parsed.is_object() || objects == parsed.end() || !objects->is_array()) {
+    return Error{ErrorCode::internal, "publish: the server's answer about what it left out cannot be read", ""};
+  }
+  PublisherReport report;
+  report.refused = parsed.value("refused", "");
+  for (const nlohmann::json& object : *objects) {
+    report.left_out.push_back({object.value("name", ""), object.value("why", "")});
+  }
+  report.left_out_count = parsed.value("count", std::uint64_t{report.left_out.size()});
+  report.merged_poses = parsed.value("merged", std::uint64_t{0});
+  return report;
 }
 
 /// Applied is also a definition that the server has refused or keeps waiting, so it is asked about those that are new.
@@ -282,22 +314,12 @@ Result<void> Publisher::State::ask_for_left_out(Clock::time_point deadline) {
     through = definitions_through_;
   }
   // The wait is over; this takes one round trip, which a deadline that has just passed must not cut off.
-  const nanoseconds timeout = std::max<nanoseconds>(deadline - Clock::now(), kLeastCommandTimeout);
-  const Result<std::string> answer =
-      client::command(*connection_, wire_contract::command::kLeftOut, {{"publisher", publisher_}}, timeout);
-  // A server from before this command answers nothing of use.
-  if (!answer && answer.error().code == ErrorCode::refused) { return {}; }
-  if (!answer) { return answer.error(); }
-  const nlohmann::json parsed = nlohmann::json::parse(*answer, nullptr, false);
-  const auto objects = parsed.is_object() ? parsed.find("objects") : parsed.end();
-  if (!parsed.is_object() || objects == parsed.end() || !objects->is_array()) {
-    return Error{ErrorCode::internal, "publish: the server's answer about what it left out cannot be read", ""};
-  }
-  if (!objects->empty()) {
-    const std::size_t others = objects->size() - 1;
+  const Result<PublisherReport> found = report(std::max<nanoseconds>(deadline - Clock::now(), kLeastCommandTimeout));
+  if (!found) { return found.error(); }
+  if (!found->left_out.empty()) {
+    const std::uint64_t others = found->left_out_count - 1;
     return Error{ErrorCode::refused,
-                 "object '" + objects->front().value("name", "") +
-                     "' is not in the world: " + objects->front().value("why", "") +
+                 "object '" + found->left_out.front().name + "' is not in the world: " + found->left_out.front().why +
                      (others > 0 ? "; so are " + std::to_string(others) + " more" : std::string()),
                  "what waits for a name enters as soon as that is free"};
   }
@@ -306,15 +328,24 @@ Result<void> Publisher::State::ask_for_left_out(Clock::time_point deadline) {
   return {};
 }
 
+/// The server lists a publisher with the first status after its first sample. One that is not listed may be refused.
+std::optional<Error> Publisher::State::why_not_known(Clock::time_point deadline) {
+  const Result<PublisherReport> found = report(std::max<nanoseconds>(deadline - Clock::now(), kLeastCommandTimeout));
+  if (!found || found->refused.empty()) { return std::nullopt; }
+  return Error{ErrorCode::refused, "the server takes nothing of this publisher: " + found->refused,
+               "none of its objects are in the world; they enter once there is room"};
+}
+
 Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
   const Clock::time_point deadline = Clock::now() + timeout;
+  Clock::time_point next_question = Clock::now() + kListedSoon;
   while (true) {
     std::uint64_t wanted = 0;
     {
       const std::lock_guard lock(mutex_);
-      if (auto error = say_alive()) {  // this call shows that the user's thread does not hang
-        return *error;
-      }
+      // This call shows that the user's thread does not hang. A server that takes nothing now may be back in time.
+      const std::optional<Error> error = say_alive();
+      if (error && (error->code != ErrorCode::timeout || Clock::now() >= deadline)) { return *error; }
       wanted = sequence_;
     }
     const auto view = connection_->pulse().publisher(publisher_);
@@ -323,16 +354,16 @@ Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
       Result<void> told = ask_for_left_out(deadline);
       if (told || told.error().code == ErrorCode::refused || Clock::now() >= deadline) { return told; }
       // The server has been silent for a moment, or is another one: it can be asked again.
-      connection_->pulse().wait_for_status(std::min(deadline, Clock::now() + word_period_));
-      continue;
-    }
-    if (Clock::now() >= deadline) {
+    } else if (Clock::now() >= deadline) {
+      if (connection_->pulse().silent()) { return connection_->disconnected(); }
       return Error{ErrorCode::timeout,
                    "publish: the server has applied " + std::to_string(applied) + " of " + std::to_string(wanted) +
                        " messages in " + client::words(timeout),
                    ""};
+    } else if (!view && Clock::now() >= next_question) {
+      if (auto error = why_not_known(deadline)) { return *error; }
+      next_question = Clock::now() + kListedSoon;
     }
-    if (connection_->pulse().silent()) { return connection_->disconnected(); }
     connection_->pulse().wait_for_status(std::min(deadline, Clock::now() + word_period_));
   }
 }

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <mutex>
+#include <string>
 #include <vector>
 
 #include "client/library/connection/connection.hpp"
@@ -26,24 +27,28 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   Result<void> remove(Object object);
   Result<void> reshape(Object object, const Shape& shape);
   Result<void> move(Object object, const Pose& pose, bool teleport);
-  Result<std::uint64_t> flush(std::chrono::nanoseconds source_time);
+  Result<FlushReport> flush(std::chrono::nanoseconds source_time);
   void stream();
   /// Says each instant, also while it has no objects: some may enter (add() with `enters`).
   void announce();
-  Result<void> keep_alive();
+  Result<void> keep_alive(std::chrono::nanoseconds source_time);
   Result<void> wait_applied(std::chrono::nanoseconds timeout);
+  Result<PublisherReport> report(std::chrono::nanoseconds timeout);
 
  private:
   State(std::shared_ptr<client::Connection> connection, const std::string& name, const PublishOptions& options);
   std::optional<Error> object_fault(const ObjectOptions& options) const;
   Result<Object> define(const ObjectOptions& options, std::vector<std::uint8_t> shape, bool enters);
   Result<void> ask_for_left_out(client::Clock::time_point deadline);
+  std::optional<Error> why_not_known(client::Clock::time_point deadline);
   Error unknown(Object object) const;
 
   // Asserts liveliness; where the server has forgotten this publisher or is behind, defines everything again.
   std::optional<Error> say_alive();
   std::optional<Error> assert_liveliness();
   bool is_forgotten() const;
+  bool is_lost() const;
+  void note_loss();
   bool is_asked_again();
   bool is_behind() const;
   bool is_applied() const;
@@ -52,14 +57,18 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::optional<Error> write_definition(std::uint32_t number, const client::PublishedObject& object, bool removed);
   std::optional<Error> write_batch(std::span<const std::uint32_t> numbers, std::uint8_t flags, std::int64_t time_ns);
   void fill_batch(std::uint8_t flags, std::int64_t time_ns);
-  std::optional<Error> write_instant(std::int64_t time_ns);
-  std::optional<Error> say_at_rest();
+  std::optional<Error> write_gap();
+  std::optional<Error> write_made_definition();
+  std::optional<Error> write_instant(std::int64_t time_ns, bool is_only_alive);
+  std::optional<Error> say_time(std::int64_t time_ns);
   std::optional<Error> send_waiting(std::int64_t time_ns);
   void note_written();
 
   std::shared_ptr<client::Connection> connection_;
   std::uint64_t publisher_;
   std::uint64_t incarnation_;
+  std::chrono::nanoseconds lease_;
+  std::chrono::nanoseconds gap_;
   // A move() or a wait this soon after the last word need not assert again that the publisher is alive.
   std::chrono::nanoseconds word_period_;
   std::mutex mutex_;
@@ -71,6 +80,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::uint64_t defined_all_at_ = 0;          // sequence number at which everything was last defined again
   std::uint64_t server_ = 0;
   std::uint64_t outages_ = 0;  // of the server, when everything was last defined again
+  std::string lost_;           // what the next flush() reports of a loss
   bool was_asked_ = false;     // to define everything again, by the newest status that was looked at
   bool is_streamed_ = false;
   bool is_announced_ = false;

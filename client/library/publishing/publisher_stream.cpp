@@ -3,6 +3,7 @@
 
 #include "client/library/connection/errors.hpp"
 #include "client/library/publishing/publisher.hpp"
+#include "idl/clocks.hpp"
 #include "idl/columns.hpp"
 
 namespace collided {
@@ -45,6 +46,7 @@ std::optional<Error> guarded(const Write& write) {
 }  // namespace
 
 std::optional<Error> Publisher::State::say_alive() {
+  if (objects_.size() > 0 && is_lost()) note_loss();
   if (is_asked_again() || is_forgotten() || is_behind()) { return define_all(); }
   // Each word costs two datagrams, so it is not given with every pose.
   return Clock::now() - last_word_ < kAssertionPeriod ? std::nullopt : assert_liveliness();
@@ -67,18 +69,30 @@ bool Publisher::State::is_asked_again() {
   return is_asked && !was_asked;
 }
 
+/// By its own clock or by the server's word. A status from before everything was defined again does not count.
+bool Publisher::State::is_lost() const {
+  if (Clock::now() - last_word_ > lease_) return true;
+  const auto view = connection_->pulse().publisher(publisher_);
+  return view && view->lost && view->applied_sequence >= defined_all_at_;
+}
+
+void Publisher::State::note_loss() {
+  const std::chrono::nanoseconds silent = Clock::now() - last_word_;
+  const std::string name = "publisher '" + std::string(definition_->publisher_name) + "' ";
+  const std::string then = ": the server counted it as lost, and its objects were stale or had left the world; ";
+  if (silent > lease_)
+    lost_ = name + "was silent for " + client::words(silent) + ", longer than its lease of " + client::words(lease_) +
+            then + "call keep_alive, or publish with a longer lease";
+  else lost_ = name + "was not heard for its lease of " + client::words(lease_) + then + "publish with a longer lease";
+}
+
 bool Publisher::State::is_forgotten() const {
-  if (Clock::now() - last_word_ > std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs) ||
-      connection_->pulse().server() != server_) {
-    return true;
-  }
+  if (is_lost() || connection_->pulse().server() != server_) return true;
   // Messages written during the outage may be lost, and so would those written before the readers are matched again.
   if (connection_->pulse().outages() != outages_ && pose_writer_.matched_readers() > 0 &&
       object_writer_.matched_readers() > 0)
     return true;
-  // A status from before everything was defined again does not count.
-  const auto view = connection_->pulse().publisher(publisher_);
-  return view && view->lost && view->applied_sequence >= defined_all_at_;
+  return false;
 }
 
 // True where the server lacks a message: a batch may have been written before a new server's reader was there, and its
@@ -107,6 +121,7 @@ std::optional<Error> Publisher::State::define_all() {
   server_ = connection_->pulse().server();
   outages_ = connection_->pulse().outages();
   defined_all_at_ = sequence_ + 1;
+  if (auto error = write_gap()) { return error; }
   for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
     if (!objects_.at(number).used) { continue; }
     if (auto error = write_definition(number, objects_.at(number), false)) { return error; }
@@ -136,8 +151,25 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   std::copy_n(pose, 3, definition.position);
   std::copy_n(pose + 3, 4, definition.orientation);
   dds::borrow(definition.shape, removed ? std::span<const std::uint8_t>() : std::span(object.shape));
+  return write_made_definition();
+}
+
+/// Before everything else that this publisher writes, since the server does not change the gap later.
+std::optional<Error> Publisher::State::write_gap() {
+  if (gap_.count() == wire_contract::kDefaultGapNs) return std::nullopt;
+  wire::Definition& definition = *definition_;
+  definition.object_number = wire_contract::kPublisherItself;
+  definition.sequence_number = sequence_ + 1;
+  definition.removed = true;
+  definition.position[0] = static_cast<double>(gap_.count()) * wire_contract::kNanosecond_s;
+  definition.orientation[0] = 1;
+  dds::borrow(definition.shape, std::span<const std::uint8_t>());
+  return write_made_definition();
+}
+
+std::optional<Error> Publisher::State::write_made_definition() {
   return guarded([&]() -> std::optional<Error> {
-    if (!object_writer_.write(definition)) { return not_taken(); }
+    if (!object_writer_.write(*definition_)) { return not_taken(); }
     definitions_through_ = sequence_ + 1;
     note_written();
     return std::nullopt;
@@ -154,11 +186,11 @@ void Publisher::State::fill_batch(std::uint8_t flags, std::int64_t time_ns) {
   if (Clock::now() - defined_all_ < kSaysSo) batch_->flags |= wire_contract::kAllSaid;
 }
 
-/// Says that everything has rested up to then. The message has no number, since a server that misses it lacks no pose,
-/// and since a number would hide that an earlier message was missed.
-std::optional<Error> Publisher::State::write_instant(std::int64_t time_ns) {
+/// Says that everything has rested up to then; or only that this publisher lives. The message has no number, since a server
+/// that misses it lacks no pose, and since a number would hide that an earlier message was missed.
+std::optional<Error> Publisher::State::write_instant(std::int64_t time_ns, bool is_only_alive) {
   batch_->sequence_number = 0;
-  fill_batch(0, time_ns);
+  fill_batch(is_only_alive ? wire_contract::kStreamed : 0, time_ns);
   dds::borrow(batch_->object_numbers, std::span<const std::uint32_t>());
   wire::lend_columns<wire::PoseBatch>({}, wire::kPoseColumns, pose_columns_, *batch_);
   return guarded([&]() -> std::optional<Error> {
@@ -194,7 +226,7 @@ void Publisher::State::note_written() {
 
 std::optional<Error> Publisher::State::send_waiting(std::int64_t time_ns) {
   std::size_t plain_left = objects_.sort_waiting();
-  if (objects_.waiting().empty() && (objects_.size() > 0 || is_announced_)) return write_instant(time_ns);
+  if (objects_.waiting().empty() && (objects_.size() > 0 || is_announced_)) return write_instant(time_ns, false);
   while (!objects_.waiting().empty()) {
     const bool teleported = plain_left == 0;
     const std::size_t of_a_kind = teleported ? objects_.waiting().size() : plain_left;

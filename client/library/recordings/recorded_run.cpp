@@ -27,6 +27,7 @@ class Sorting {
   explicit Sorting(RecordedRun& run) : run_(run) {}
 
   void sort() {
+    run_.origins.resize(run_.items.size());
     // Questions first: a reply may have been received before its question, on another topic.
     for (const bool replies : {false, true}) {
       for (std::size_t i = 0; i < run_.items.size(); ++i) {
@@ -58,10 +59,12 @@ class Sorting {
     switch (item.topic) {
       case Recorded::object:
         return read(item, definition_, [&] {
+          run_.origins[index] = {definition_->publisher, definition_->incarnation, 0};
           if (item.opening) note_opening(definition_->publisher, definition_->sequence_number);
         });
       case Recorded::pose:
         return read(item, batch_, [&] {
+          run_.origins[index] = {batch_->publisher, batch_->incarnation, batch_->source_time_ns};
           if (item.opening) note_opening(batch_->publisher, batch_->sequence_number);
         });
       case Recorded::query: return read(item, query_, [&] { take_query(index); });

@@ -26,8 +26,16 @@ struct RecordedRequest {
   std::vector<std::size_t> replies;
 };
 
+/// The publisher of a definition or batch of poses.
+struct RecordedOrigin {
+  std::uint64_t publisher = 0;  // 0: it is of another topic
+  std::uint64_t incarnation = 0;
+  std::int64_t stamp_ns = 0;  // of poses, by the publisher's clock; 0: none
+};
+
 /// A recording, sorted for replay.
 struct RecordedRun : RecordedItems {
+  std::vector<RecordedOrigin> origins;  // by item
   std::map<StateNumber, RecordedState> states;
   std::map<StateNumber, std::vector<RecordedRequest>>
       requests;  // questions about the world, by the state that they were about

@@ -16,6 +16,7 @@
 #include "client/library/recordings/asked_again.hpp"
 #include "client/library/recordings/recorded_events.hpp"
 #include "client/library/recordings/recorded_run.hpp"
+#include "client/library/recordings/replay_times.hpp"
 #include "client/library/recordings/replayed_fences.hpp"
 #include "client/library/recordings/replayed_publishers.hpp"
 #include "collided/recording.hpp"
@@ -122,6 +123,9 @@ class Replaying {
 
   void wait_applied() {
     if (!publishers_.wait_applied(std::chrono::seconds(5))) {
+      if (const std::string why = publishers_.why_refused(); !why.empty())
+        throw ReplayFailure({ErrorCode::refused, "replay: the server takes nothing of a recorded publisher: " + why,
+                             "none of its objects are in the world"});
       throw ReplayFailure({ErrorCode::timeout, "replay: the server has not taken all samples within 5 s",
                            "is its namespace also moved by others?"});
     }
@@ -148,9 +152,14 @@ class Replaying {
 /// Replays in the recording's time, or faster or slower by the rate.
 class TimedReplay : public Replaying {
  public:
-  using Replaying::Replaying;
+  TimedReplay(Connection& connection, const RecordedRun& run, const ReplayOptions& options)
+      : Replaying(connection, run, options), times_(client::replay_times(run)) {}
 
   void run() {
+    if (times_.undated_publishers > 0)
+      warn("the stamps of " + std::to_string(times_.undated_publishers) +
+           " publishers stay half a second or more away from the times of their recording, as when a clock is set or a "
+           "recorder is slow; their poses are dated by the latter, so events may be others");
     std::set<std::size_t> commands;
     for (const auto& [state, items] : run_.commands) commands.insert(items.begin(), items.end());
     const client::RecordedSpan span = client::span_of(run_);
@@ -158,33 +167,49 @@ class TimedReplay : public Replaying {
     const std::int64_t end = (options_.to ? client::resolved(*options_.to, span) : span.end).count();
     if (began_at_ > end)
       throw ReplayFailure(client::bad_input("replay: the end of what is asked for lies before its begin", ""));
-    for (std::size_t i = 0; i < run_.items.size(); ++i) {
+    for (std::size_t place = 0; place < times_.order.size(); ++place) {
+      const std::size_t i = times_.order[place];
       const RecordedItem& item = run_.items[i];
-      const bool is_before = item.opening || log_time(item) < began_at_;
-      if (!item.opening && log_time(item) > end) break;
-      if (!item.opening && (is_before ? !go_on() : !wait_until(log_time(item)))) return;
+      expected_ = std::max(expected_, place);
+      const std::int64_t due_ns = times_.of[i].due_ns;
+      const bool is_before = item.opening || (options_.from && due_ns < began_at_);
+      if (!item.opening && due_ns > end) break;
+      if (!item.opening && (is_before ? !go_on() : !wait_until(due_ns))) return;
       if (commands.count(i) > 0) give_command(i);
       if (item.topic == Recorded::status || item.topic == Recorded::step) lose_lost(item);
-      publish(item, is_before ? wire_contract::since_1970_ns() : source_time(item));
+      publish(item, is_before ? wire_contract::since_1970_ns() : replayed_at(times_.of[i].source_ns));
     }
     wait_applied();
     call_at_end();
   }
 
  private:
-  static std::int64_t log_time(const RecordedItem& item) { return static_cast<std::int64_t>(item.log_time); }
   std::chrono::nanoseconds after_begin(std::int64_t recorded_ns) const {
     const double after_ns = std::max(0.0, static_cast<double>(recorded_ns - began_at_));
     return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(after_ns / options_.rate, 9e18)));
   }
+  /// Registers the publishers whose samples are due soon. Registering takes milliseconds; if many began together, the
+  /// last ones would be so late that the server dates their samples by itself.
+  void expect_publishers(std::int64_t due_ns) {
+    constexpr double kAheadNs = 2e9;
+    for (; expected_ < times_.order.size(); ++expected_) {
+      const std::size_t i = times_.order[expected_];
+      if (static_cast<double>(times_.of[i].due_ns - due_ns) > kAheadNs * std::min(options_.rate, 100.0)) return;
+      const client::RecordedOrigin& origin = run_.origins[i];
+      if (origin.publisher != 0) publishers_.expect(origin.publisher, origin.incarnation);
+    }
+  }
   /// The time runs from now on: what came before took as long as it took.
   void begin() {
+    expect_publishers(began_at_);
+    publishers_.wait_until_read();
     began_ = Clock::now();
     began_ns_ = wire_contract::since_1970_ns();
   }
   bool wait_until(std::int64_t recorded_ns) {
     constexpr std::chrono::milliseconds kLook{20};
     if (!began_) begin();
+    expect_publishers(recorded_ns);
     const Clock::time_point when = *began_ + after_begin(recorded_ns);
     while (go_on()) {
       const Clock::time_point now = Clock::now();
@@ -193,15 +218,8 @@ class TimedReplay : public Replaying {
     }
     return false;
   }
-  /// When the poses of a batch were so, counted from the beginning of the replay: by their publisher's own stamp, so
-  /// that objects move as they did, unless its clock was far from the recorder's.
-  std::int64_t source_time(const RecordedItem& item) {
-    std::int64_t recorded_ns = log_time(item);
-    if (item.topic == Recorded::pose && wire::read_cdr(item.data, stamped_) && stamped_->source_time_ns > 0 &&
-        std::abs(recorded_ns - stamped_->source_time_ns) < wire_contract::kPublisherLeaseNs)
-      recorded_ns = stamped_->source_time_ns;
-    return began_ns_ + after_begin(recorded_ns).count();
-  }
+  /// Since 1970, on the replay's clock.
+  std::int64_t replayed_at(std::int64_t recorded_ns) const { return began_ns_ + after_begin(recorded_ns).count(); }
   /// Asks what is to be asked, while the publishers go on living.
   void call_at_end() {
     if (!options_.at_end) return;
@@ -217,11 +235,12 @@ class TimedReplay : public Replaying {
     if (found != run_.states.end()) lose_whom(found->second);
   }
 
+  const client::ReplayTimes times_;
+  std::size_t expected_ = 0;   // items, in the order of times_, whose publishers were expected
   std::int64_t began_at_ = 0;  // time in the recording
   std::optional<Clock::time_point> began_;
   std::int64_t began_ns_ = 0;  // the same, since 1970
   dds::Sample<wire::Status> status_;
-  dds::Sample<wire::PoseBatch> stamped_;
 };
 
 /// Replays state by state: publishes what each recorded state has in addition to the one before, then asks again the

@@ -1,5 +1,7 @@
 #include "client/library/recordings/replayed_fences.hpp"
 
+#include <nlohmann/json.hpp>
+
 #include "client/library/watching/fences.hpp"
 #include "client/library/watching/margins.hpp"
 #include "client/library/watching/nearest.hpp"

@@ -1,11 +1,16 @@
-#include "client/library/connection/wait_until.hpp"
 #include "client/library/recordings/replayed_publishers.hpp"
-#include "idl/clocks.hpp"
 
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
 #include <thread>
+
+#include <nlohmann/json.hpp>
+
+#include "client/library/commands/command.hpp"
+#include "client/library/connection/wait_until.hpp"
+#include "idl/clocks.hpp"
+#include "idl/commands.hpp"
 
 namespace collided::client {
 namespace {
@@ -79,6 +84,23 @@ void ReplayedPublishers::wait_until_heard(Publisher& publisher, Clock::time_poin
   } catch (const dds::DdsError&) {}
 }
 
+void ReplayedPublishers::expect(std::uint64_t recorded, std::uint64_t incarnation) {
+  std::unique_ptr<Publisher>& publisher = publishers_[recorded];
+  if (!publisher) publisher = std::make_unique<Publisher>(*this, incarnation);
+}
+
+bool ReplayedPublishers::is_read(const Publisher& publisher) {
+  return publisher.pose_writer.matched_readers() > 0 && publisher.object_writer.matched_readers() > 0;
+}
+
+void ReplayedPublishers::wait_until_read() {
+  const Clock::time_point deadline = Clock::now() + std::chrono::nanoseconds(kPatienceNs);
+  client::wait_until(deadline, [&] {
+    keep_alive();
+    return std::ranges::all_of(publishers_, [](const auto& entry) { return is_read(*entry.second); });
+  });
+}
+
 ReplayedPublishers::Publisher* ReplayedPublishers::meet(std::uint64_t recorded, std::uint64_t incarnation) {
   std::unique_ptr<Publisher>& publisher = publishers_[recorded];
   if (publisher && incarnation < publisher->recorded_incarnation) return nullptr;
@@ -86,15 +108,12 @@ ReplayedPublishers::Publisher* ReplayedPublishers::meet(std::uint64_t recorded, 
     leave(*publisher);
     publisher.reset();
   }
-  if (!publisher) {
-    publisher = std::make_unique<Publisher>(*this, incarnation);
-    // Batches are volatile: one written before the server's reader is matched would be lost.
-    const Clock::time_point deadline = Clock::now() + std::chrono::nanoseconds(kPatienceNs);
-    const auto is_read = [&] {
-      return publisher->pose_writer.matched_readers() > 0 && publisher->object_writer.matched_readers() > 0;
-    };
-    if (!client::wait_until(deadline, is_read)) throw dds::DdsError("replay: the server reads no poses");
-  }
+  expect(recorded, incarnation);
+  if (publisher->was_read) return publisher.get();
+  // Batches are volatile: one written before the server's reader is matched would be lost.
+  const Clock::time_point deadline = Clock::now() + std::chrono::nanoseconds(kPatienceNs);
+  publisher->was_read = client::wait_until(deadline, [&] { return is_read(*publisher); });
+  if (!publisher->was_read) throw dds::DdsError("replay: the server reads no poses");
   return publisher.get();
 }
 
@@ -214,6 +233,16 @@ bool ReplayedPublishers::wait_applied(std::chrono::nanoseconds wait) {
     lock.lock();
   }
   return true;
+}
+
+std::string ReplayedPublishers::why_refused() const {
+  for (const auto& [recorded, publisher] : publishers_) {
+    const Result<std::string> answer = command(connection_, wire_contract::command::kLeftOut,
+                                               {{"publisher", publisher->number}}, std::chrono::seconds(1));
+    const nlohmann::json found = nlohmann::json::parse(answer ? *answer : std::string(), nullptr, false);
+    if (std::string why = found.is_object() ? found.value("refused", "") : ""; !why.empty()) return why;
+  }
+  return {};
 }
 
 }  // namespace collided::client

@@ -6,6 +6,7 @@
 #include <memory>
 #include <mutex>
 #include <set>
+#include <string>
 
 #include "client/library/connection/connection.hpp"
 #include "client/library/publishing/unacknowledged_poses.hpp"
@@ -22,6 +23,10 @@ class ReplayedPublishers {
   /// Removes the objects from the world.
   ~ReplayedPublishers();
 
+  /// Registers a publisher whose samples are due soon, without waiting until the server has discovered it.
+  void expect(std::uint64_t recorded, std::uint64_t incarnation);
+  /// Waits until the server reads all publishers; those that it does not read soon are waited for once they publish.
+  void wait_until_read();
   /// Publishes a sample. False where it is a repetition or from an earlier life of its publisher. Throws dds::DdsError.
   bool publish(wire::Definition& definition);
   /// log_time        distinguishes different samples with the same number
@@ -33,6 +38,8 @@ class ReplayedPublishers {
   void keep_alive();
   /// Waits until the server has applied everything published and has noticed every loss; false after `wait`.
   bool wait_applied(std::chrono::nanoseconds wait);
+  /// Asks the server why it takes nothing of one of the publishers; empty: it takes all, or does not answer.
+  std::string why_refused() const;
 
  private:
   struct Publisher {
@@ -46,10 +53,12 @@ class ReplayedPublishers {
     std::set<std::uint32_t> objects;                 // numbers of those in the world
     std::uint64_t posed = 0, posed_at = 0;           // recorded sequence and time of the newest batch
     UnacknowledgedPoses unacknowledged;
+    bool was_read = false;   // the server's readers were matched
     bool is_listed = false;  // the server has said something of it
     dds::Writer<wire::Definition> object_writer;
     dds::Writer<wire::PoseBatch> pose_writer;
   };
+  static bool is_read(const Publisher& publisher);
   static void remove_objects(Publisher& publisher);
   static void wait_until_heard(Publisher& publisher, Clock::time_point deadline);
   bool wait_for_room(Publisher& publisher);

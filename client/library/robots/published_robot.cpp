@@ -26,8 +26,15 @@ Result<PublishedRobot> PublishedRobot::claim(Client& client, Publisher& publishe
 
 Result<std::vector<std::string>> PublishedRobot::set_joints(Publisher& publisher, std::span<const JointValue> values,
                                                             bool teleport) {
+  const std::vector<double> before = positions_;
   Result<std::vector<std::string>> warnings = robot_.set(values, positions_, options_.beyond_limits);
   if (!warnings) return warnings;
+  const Robot::ChordError chord = teleport ? Robot::ChordError() : robot_.chord_error(before, positions_);
+  if (chord.metres > kChordToWarn_m) {
+    warnings->push_back("link '" + robot_.links()[chord.link] + "' leaves its arc by up to " +
+                        client::words(chord.metres) +
+                        " m, since it is swept in a straight line; smaller steps keep closer");
+  }
   if (const Result<void> moved = move_links(publisher, teleport); !moved) return moved.error();
   return warnings;
 }

@@ -131,4 +131,21 @@ std::vector<Pose> Robot::link_poses(std::span<const double> positions, const Pos
   return poses;
 }
 
+Robot::ChordError Robot::chord_error(std::span<const double> from, std::span<const double> to) const {
+  const std::vector<Pose> first = link_poses(from);
+  const std::vector<Pose> last = link_poses(to);
+  ChordError most;
+  std::vector<double> between(joints_.size());
+  for (const double share : {0.25, 0.5, 0.75}) {
+    for (std::size_t i = 0; i < between.size(); ++i) between[i] = from[i] + share * (to[i] - from[i]);
+    const std::vector<Pose> poses = link_poses(between);
+    for (std::size_t link = 0; link < poses.size(); ++link) {
+      const Vec3 straight = first[link].position + share * (last[link].position - first[link].position);
+      const double metres = (poses[link].position - straight).norm();
+      if (metres > most.metres) most = {metres, link};
+    }
+  }
+  return most;
+}
+
 }  // namespace collided

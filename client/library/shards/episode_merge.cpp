@@ -4,6 +4,7 @@
 #include <array>
 #include <bit>
 #include <iterator>
+#include <ranges>
 
 namespace collided::client {
 namespace {
@@ -30,11 +31,38 @@ Event in_order_of_names(Event event) {
 
 }  // namespace
 
+/// True if the pair itself ended; false if only the contact held by that shard did.
+///
+/// instant  all events of the pair at that time
+bool EpisodeMerge::is_of_pair(const HeardEvent& heard, std::span<const HeardEvent> instant, const PairState& pair) {
+  switch (heard.event.reason) {
+    case EndReason::removed:
+    case EndReason::server_stopping:
+    case EndReason::server_restarted: return false;
+    // The contact goes on in doubt, of which the others will say the same.
+    case EndReason::publisher_lost:
+      return std::ranges::any_of(instant, [&](const HeardEvent& other) {
+        return other.shard == heard.shard && other.event.kind == EventKind::began &&
+               other.event.doubt == Doubt::publisher_lost;
+      });
+    // In a shard that was away objects are placed again; an object that jumps ends the contact in all shards at once.
+    case EndReason::teleported: {
+      shards::ShardSet placed = 0;
+      for (const HeardEvent& other : instant) {
+        if (other.event.kind == EventKind::ended && other.event.reason == EndReason::teleported)
+          placed |= shards::set_of(other.shard);
+      }
+      return (pair.open & ~placed) == 0;
+    }
+    default: return true;
+  }
+}
+
 /// Which shards say what of the pair, with this event.
 void EpisodeMerge::note(PairState& pair, const HeardEvent& heard) {
   const shards::ShardSet shard = shards::set_of(heard.shard);
-  // What the others have yet to say of this is old.
-  const shards::ShardSet over = heard.event.reason == EndReason::removed ? shard : ~shards::ShardSet{0};
+  // Pending reports of other shards about an ended pair are superseded.
+  const shards::ShardSet over = heard.is_of_pair ? ~shards::ShardSet{0} : shard;
   switch (heard.event.kind) {
     case EventKind::open:
       pair.open |= shard;
@@ -56,12 +84,7 @@ void EpisodeMerge::hear(std::size_t shard, const Event& event) {
   HeardEvent heard{.at = happened(event), .order = order_++, .shard = shard, .event = in_order_of_names(event)};
   // What held when the shard's events were first heard comes before all of them.
   if (event.kind == EventKind::open) heard.at = std::min(event.began, heard.at);
-  std::vector<HeardEvent>& of_pair = pending_[{heard.event.a, heard.event.b}];
-  // A removal has the time of its server's clock, which may be ahead of what the publishers say next.
-  for (HeardEvent& earlier : of_pair) {
-    if (earlier.shard == shard) earlier.at = std::min(earlier.at, heard.at);
-  }
-  of_pair.push_back(std::move(heard));
+  pending_[{heard.event.a, heard.event.b}].push_back(std::move(heard));
 }
 
 void EpisodeMerge::forget(std::size_t shard) {
@@ -75,11 +98,21 @@ void EpisodeMerge::forget(std::size_t shard) {
   }
 }
 
+/// Sorts the events of a pair by time, with those of each shard in the order in which they came: a removal has the time of its
+/// server's clock, which may be ahead of the publishers' next poses.
+void EpisodeMerge::sort_by_time(std::vector<HeardEvent>& of_pair) {
+  std::array<nanoseconds, shards::ShardMap::kMostShards> next_at;
+  next_at.fill(nanoseconds::max());
+  for (HeardEvent& heard : std::views::reverse(of_pair))
+    heard.at = next_at[heard.shard] = std::min(heard.at, next_at[heard.shard]);
+  std::ranges::sort(of_pair, {}, [](const HeardEvent& heard) { return std::pair(heard.at, heard.order); });
+}
+
 void EpisodeMerge::settle(nanoseconds through) {
   std::vector<std::vector<HeardEvent>> instants;
   for (auto entry = pending_.begin(); entry != pending_.end();) {
     std::vector<HeardEvent>& of_pair = entry->second;
-    std::ranges::sort(of_pair, {}, [](const HeardEvent& heard) { return std::pair(heard.at, heard.order); });
+    sort_by_time(of_pair);
     const auto end = std::ranges::upper_bound(of_pair, through, {}, &HeardEvent::at);
     // What a pair's shards tell within the roundings is one instant of it.
     for (auto first = of_pair.begin(); first != end;) {
@@ -107,6 +140,7 @@ void EpisodeMerge::settle_instant(std::span<HeardEvent> instant) {
     turns[turn].push_back(&heard);
   }
   PairState& pair = pairs_[names];
+  for (HeardEvent& heard : instant) heard.is_of_pair = is_of_pair(heard, instant, pair);
   for (const auto& turn : turns) take_turn(pair, turn);
   if (pair.open == 0) pairs_.erase(names);
 }

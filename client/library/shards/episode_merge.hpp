@@ -19,9 +19,10 @@ namespace collided::client {
 ///
 /// What a shard tells of a pair is true of the pair for as long as it holds both objects, and at each instant of a contact
 /// a shard whose box has a point of it holds both. So a contact begins with the first `began` that a shard tells. It ends
-/// when one shard says so, for a reason that is the pair's: the others will say the same. That an object was removed may
-/// only mean that it has left a shard: so the contact ends for that reason when the last shard says so. While a shard is
-/// split its box is also that of others: nothing of this changes, since boxes may overlap.
+/// when one shard says so, for a reason that is the pair's: the others will say the same. Other reasons may be that shard's
+/// alone: an object left it, its server stopped or was started again, it lost a publisher, or objects were placed there again
+/// after it was away. The contact ends for such a reason when the last shard that holds it says so. While a shard is split
+/// its box is also that of others: nothing of this changes, since boxes may overlap.
 ///
 /// threads  one at a time
 /// Always: for every pair of names it tells `began` (or `open`) and `ended` in turn, with the names in order, and between
@@ -51,6 +52,7 @@ class EpisodeMerge {
     std::uint64_t order = 0;  // in which it came
     std::size_t shard = 0;
     Event event;
+    bool is_of_pair = true;  // `ended` or `emerged` counts for every shard, not only for this one
   };
   struct PairState {
     shards::ShardSet open = 0;       // shards that say that the two touch
@@ -61,7 +63,9 @@ class EpisodeMerge {
     std::chrono::nanoseconds began{0};
   };
 
+  static void sort_by_time(std::vector<HeardEvent>& of_pair);
   void settle_instant(std::span<HeardEvent> instant);
+  static bool is_of_pair(const HeardEvent& heard, std::span<const HeardEvent> instant, const PairState& pair);
   void take_turn(PairState& pair, std::span<HeardEvent* const> turn);
   static void note(PairState& pair, const HeardEvent& heard);
   bool is_owner(const HeardEvent& heard) const;

@@ -1,5 +1,6 @@
 #include "client/library/shards/sharded_publishing.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <chrono>
 #include <cstdint>
@@ -59,7 +60,22 @@ bool ShardedPublishing::may_fill(std::size_t shard) const {
   return member.publisher && (flushed_.count() == 0 || (member.decided && *member.decided <= flushed_));
 }
 
-/// Asks shards that miss something how far they have decided. The lock is given up meanwhile.
+/// Up to when a shard has decided; nothing if it does not answer. The lock is given up meanwhile.
+std::optional<nanoseconds> ShardedPublishing::ask_decided(std::size_t shard, std::unique_lock<std::mutex>& lock) {
+  const std::shared_ptr<Connection> connection = links_->connection(shard);
+  const Publisher* const asked_for = members_[shard].publisher.get();
+  if (!connection || asked_for == nullptr) return std::nullopt;
+  lock.unlock();
+  const Result<std::string> answer =
+      command(*connection, wire_contract::command::kSettled, nlohmann::json::object(), kEnterWait);
+  lock.lock();
+  if (!answer || members_[shard].publisher.get() != asked_for) return std::nullopt;
+  const nlohmann::json said = nlohmann::json::parse(*answer, nullptr, false);
+  if (!said.is_object()) return std::nullopt;
+  return nanoseconds(said.value("settled_ns", std::int64_t{0}));
+}
+
+/// Asks shards that miss something how far they have decided.
 void ShardedPublishing::find_decided(std::unique_lock<std::mutex>& lock) {
   for_each_place(missing_, [&](std::size_t shard) {
     const ShardMember& member = members_[shard];
@@ -67,16 +83,28 @@ void ShardedPublishing::find_decided(std::unique_lock<std::mutex>& lock) {
     if (may_fill(shard) || (flushed_at_ < Clock::now() - kRests && member.joined < Clock::now() - kRests))
       return catch_up(shard);
     if (member.flushed.count() == 0 || !member.publisher->wait_applied(kEnterWait)) return;
-    const std::shared_ptr<Connection> connection = links_->connection(shard);
-    const Publisher* const asked_for = member.publisher.get();
-    if (!connection) return;
-    lock.unlock();
-    const Result<std::string> answer =
-        command(*connection, wire_contract::command::kSettled, nlohmann::json::object(), kEnterWait);
-    lock.lock();
-    if (!answer || members_[shard].publisher.get() != asked_for) return;
-    const nlohmann::json said = nlohmann::json::parse(*answer, nullptr, false);
-    if (said.is_object()) members_[shard].decided = nanoseconds(said.value("settled_ns", std::int64_t{0}));
+    if (const std::optional<nanoseconds> decided = ask_decided(shard, lock)) members_[shard].decided = decided;
+  });
+}
+
+/// Removes what has left shards that have decided past that.
+void ShardedPublishing::drop_left(std::unique_lock<std::mutex>& lock) {
+  ShardSet asked = 0;
+  for (const std::uint32_t number : leaving_) {
+    const Copies& copies = copies_[number];
+    for_each_place(copies.held, [&](std::size_t shard) {
+      if (copies.in_each[place_of(copies, shard)].left.count() != 0) asked |= shards::set_of(shard);
+    });
+  }
+  for_each_place(asked, [&](std::size_t shard) {
+    if (is_over_ || !links_->answers(shard)) return;
+    if (const std::optional<nanoseconds> decided = ask_decided(shard, lock)) drop_left(shard, *decided);
+  });
+  std::erase_if(leaving_, [&](std::uint32_t number) {
+    Copies& copies = copies_[number];
+    copies.is_leaving = !std::has_single_bit(copies.held) &&
+                        std::ranges::any_of(copies.in_each, [](const Copy& copy) { return copy.left.count() != 0; });
+    return !copies.is_leaving;
   });
 }
 
@@ -119,6 +147,7 @@ void ShardedPublishing::run() {
     follow_view();
     try_missing();
     find_decided(lock);
+    drop_left(lock);
     if (wanted_ == 0) continue;
     const auto shard = static_cast<std::size_t>(std::countr_zero(wanted_));
     const std::shared_ptr<Client> client = links_->answers(shard) ? links_->shard(shard) : nullptr;

@@ -22,9 +22,10 @@ Result<void> ShardedPublisher::remove(Object object) { return state_->remove(obj
 Result<void> ShardedPublisher::move(Object object, const Pose& pose, bool teleport) {
   return state_->move(object, pose, teleport);
 }
-Result<void> ShardedPublisher::flush(nanoseconds source_time) { return state_->flush(source_time); }
-Result<void> ShardedPublisher::keep_alive() { return state_->keep_alive(); }
+Result<FlushReport> ShardedPublisher::flush(nanoseconds source_time) { return state_->flush(source_time); }
+Result<void> ShardedPublisher::keep_alive(nanoseconds source_time) { return state_->keep_alive(source_time); }
 Result<void> ShardedPublisher::wait_applied(nanoseconds timeout) { return state_->wait_applied(timeout); }
+Result<PublisherReport> ShardedPublisher::report(nanoseconds timeout) { return state_->report(timeout); }
 std::size_t ShardedPublisher::copies() const { return state_->copies(); }
 
 ShardedWatch::ShardedWatch(std::unique_ptr<client::ShardedWatching> state) : state_(std::move(state)) {}

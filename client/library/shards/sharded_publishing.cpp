@@ -4,6 +4,7 @@
 #include <bit>
 #include <chrono>
 #include <cstdint>
+#include <iterator>
 #include <string>
 #include <utility>
 
@@ -56,7 +57,7 @@ void ShardedPublishing::follow_view() {
 void ShardedPublishing::give_up(std::size_t shard) {
   for (Copies& copies : copies_) {
     if ((copies.held & shards::set_of(shard)) == 0) continue;
-    copies.handles.erase(copies.handles.begin() + static_cast<std::ptrdiff_t>(place_of(copies, shard)));
+    copies.in_each.erase(copies.in_each.begin() + static_cast<std::ptrdiff_t>(place_of(copies, shard)));
     copies.held &= ~shards::set_of(shard);
   }
   members_[shard] = {};
@@ -121,7 +122,8 @@ std::optional<Error> ShardedPublishing::enter(std::uint32_t number, std::size_t 
   options.pose = object.sent;
   const Result<Publisher::Object> added = members_[shard].publisher->state_->add(options, true);
   if (!added) return added.error();
-  copies.handles.insert(copies.handles.begin() + static_cast<std::ptrdiff_t>(place_of(copies, shard)), *added);
+  copies.in_each.insert(copies.in_each.begin() + static_cast<std::ptrdiff_t>(place_of(copies, shard)),
+                        {.handle = *added});
   copies.held |= shards::set_of(shard);
   ++members_[shard].objects;
   return std::nullopt;
@@ -132,20 +134,21 @@ void ShardedPublishing::leave(std::uint32_t number, std::size_t shard) {
   if ((copies.held & shards::set_of(shard)) == 0) return;
   const std::size_t place = place_of(copies, shard);
   // A shard that takes nothing now keeps it, until the object moves again: one copy too many changes nothing.
-  if (!members_[shard].publisher->remove(copies.handles[place])) return;
-  copies.handles.erase(copies.handles.begin() + static_cast<std::ptrdiff_t>(place));
+  if (!members_[shard].publisher->remove(copies.in_each[place].handle)) return;
+  copies.in_each.erase(copies.in_each.begin() + static_cast<std::ptrdiff_t>(place));
   copies.held &= ~shards::set_of(shard);
   --members_[shard].objects;
 }
 
-/// Removes objects from shards that they had left by the last flush, by twice the margin: one that goes to and fro at a
-/// border is not defined again each time.
-void ShardedPublishing::drop_left() {
-  for (const auto& [number, shards_left] : left_) {
-    if (!objects_.at(number).used) continue;
-    for_each_place(shards_left, [&, number = number](std::size_t shard) { leave(number, shard); });
+/// Removes objects from a shard that they left before the instant up to which it has decided: with a slower publisher it
+/// may have found until then that they touched.
+void ShardedPublishing::drop_left(std::size_t shard, nanoseconds decided) {
+  for (const std::uint32_t number : leaving_) {
+    const Copies& copies = copies_[number];
+    if ((copies.held & shards::set_of(shard)) == 0 || std::has_single_bit(copies.held)) continue;
+    const nanoseconds left = copies.in_each[place_of(copies, shard)].left;
+    if (left.count() != 0 && left <= decided) leave(number, shard);
   }
-  left_.clear();
 }
 
 /// The shards on the ways of what moved since the last flush, and those that were not there when they were needed.
@@ -217,8 +220,9 @@ std::optional<Error> ShardedPublishing::move_copies(std::uint32_t number) {
   std::optional<Error> failed;
   for_each_place(copies.held, [&](std::size_t shard) {
     ShardMember& member = members_[shard];
-    const Result<void> moved = member.publisher->move(
-        copies.handles[place_of(copies, shard)], objects_.at(number).options.pose, is_teleported || member.was_away);
+    const Result<void> moved =
+        member.publisher->move(copies.in_each[place_of(copies, shard)].handle, objects_.at(number).options.pose,
+                               is_teleported || member.was_away);
     if (!moved && !failed && links_->may_answer(shard)) failed = moved.error();
   });
   return failed;
@@ -233,7 +237,9 @@ std::optional<Error> ShardedPublishing::tell(std::size_t shard, nanoseconds inst
     return std::nullopt;
   }
   const bool is_first = is_entered && member.flushed != flushed_;
-  if (auto said = member.publisher->flush(instant); !said) return said.error();
+  const Result<FlushReport> said = member.publisher->flush(instant);
+  if (!said) return said.error();
+  if (lost_.empty() && !said->lost.empty()) lost_ = "shard '" + view_->held.at(shard).name + "': " + said->lost;
   member.flushed = instant;
   member.was_away = false;
   // The others must not decide beyond this instant before this shard knows of it.
@@ -241,15 +247,25 @@ std::optional<Error> ShardedPublishing::tell(std::size_t shard, nanoseconds inst
   return std::nullopt;
 }
 
-/// Which of the objects that moved are out of a shard that holds them.
-void ShardedPublishing::note_left() {
+/// Notes which of the objects that moved are out of a shard that holds them: by twice the margin, so that one that goes to
+/// and fro at a border is not defined again each time.
+void ShardedPublishing::note_left(nanoseconds instant) {
   const shards::ShardMap& map = view_->held;
   for (const std::uint32_t number : objects_.waiting()) {
-    const Copies& copies = copies_[number];
-    if (std::has_single_bit(copies.held)) continue;
+    Copies& copies = copies_[number];
+    // The shards where it is now may be away: the last one that holds it keeps it.
+    if (std::has_single_bit(copies.held)) {
+      copies.in_each.front().left = nanoseconds(0);
+      continue;
+    }
     const Vec3& at = objects_.at(number).options.pose.position;
     const ShardSet near = map.holders_of(box_around(at, at, copies.reach_m + map.margin_m()));
-    if ((copies.held & ~near) != 0) left_.emplace_back(number, copies.held & ~near);
+    for_each_place(copies.held, [&](std::size_t shard) {
+      nanoseconds& left = copies.in_each[place_of(copies, shard)].left;
+      if ((near & shards::set_of(shard)) != 0) left = nanoseconds(0);
+      else if (left.count() == 0) left = instant;
+    });
+    if ((copies.held & ~near) != 0 && !std::exchange(copies.is_leaving, true)) leaving_.push_back(number);
   }
 }
 
@@ -268,7 +284,11 @@ Result<ShardedPublisher::Object> ShardedPublishing::add(const ObjectOptions& opt
   }
   const std::uint32_t number = PublishedObjects::number(*object);
   if (number >= copies_.size()) copies_.resize(number + 1);
-  copies_[number] = {.shape = options.shape, .reach_m = reach_of(options.shape, options.scale), .handles = {}};
+  const bool is_leaving = copies_[number].is_leaving;  // as the object that had the number before
+  copies_[number] = {.shape = options.shape,
+                     .reach_m = reach_of(options.shape, options.scale),
+                     .in_each = {},
+                     .is_leaving = is_leaving};
   const Vec3& at = options.pose.position;
   ShardSet holders = view_->held.holders_of(box_around(at, at, copies_[number].reach_m));
   join(holders, lock);
@@ -298,7 +318,7 @@ Result<void> ShardedPublishing::remove(Object object) {
   if (copies_[number].held != 0) {
     return Error{ErrorCode::timeout, "publish: a shard takes nothing more", "the object stays there; remove it again"};
   }
-  copies_[number] = {};
+  copies_[number] = {.shape = {}, .in_each = {}, .is_leaving = copies_[number].is_leaving};
   objects_.remove(object);
   return {};
 }
@@ -317,12 +337,12 @@ Result<void> ShardedPublishing::move(Object object, const Pose& pose, bool telep
   return {};
 }
 
-Result<void> ShardedPublishing::flush(nanoseconds source_time) {
+Result<FlushReport> ShardedPublishing::flush(nanoseconds source_time) {
   std::unique_lock lock(mutex_);
   follow_view();
+  has_own_clock_ = source_time.count() == 0;
   const nanoseconds said = source_time.count() != 0 ? source_time : nanoseconds(wire_contract::since_1970_ns());
   const nanoseconds instant = std::max(said, flushed_ + nanoseconds(1));
-  drop_left();
   join(needed(), lock);
   ShardSet entered = fill_missing() | std::exchange(new_in_, 0);
   std::optional<Error> failed = enter_all(entered);
@@ -330,7 +350,7 @@ Result<void> ShardedPublishing::flush(nanoseconds source_time) {
     if (error && !failed) failed = std::move(error);
   };
   for (const std::uint32_t number : objects_.waiting()) note(move_copies(number));
-  note_left();
+  note_left(instant);
   for_each_place(entered, [&](std::size_t shard) { note(tell(shard, instant, true)); });
   for_each_place(view_->held.all() & ~entered, [&](std::size_t shard) { note(tell(shard, instant, false)); });
   objects_.mark_sent(objects_.waiting().size());
@@ -338,15 +358,16 @@ Result<void> ShardedPublishing::flush(nanoseconds source_time) {
   flushed_at_ = Clock::now();
   join_ahead();
   if (failed) return *failed;
-  return {};
+  return FlushReport{.lost = std::exchange(lost_, {})};
 }
 
-Result<void> ShardedPublishing::keep_alive() {
+Result<void> ShardedPublishing::keep_alive(nanoseconds source_time) {
   const std::lock_guard lock(mutex_);
+  if (source_time.count() == 0 && has_own_clock_) source_time = nanoseconds(wire_contract::since_1970_ns());
   std::optional<Error> failed;
   for (std::size_t shard = 0; shard < members_.size(); ++shard) {
     if (!members_[shard].publisher || !links_->may_answer(shard)) continue;
-    if (auto said = members_[shard].publisher->keep_alive(); !said && !failed) failed = said.error();
+    if (auto said = members_[shard].publisher->keep_alive(source_time); !said && !failed) failed = said.error();
   }
   if (failed) return *failed;
   return {};
@@ -365,6 +386,23 @@ Result<void> ShardedPublishing::wait_applied(nanoseconds timeout) {
     }
   }
   return {};
+}
+
+Result<PublisherReport> ShardedPublishing::report(nanoseconds timeout) {
+  const Clock::time_point deadline = Clock::now() + timeout;
+  const std::lock_guard lock(mutex_);
+  PublisherReport all;
+  for (std::size_t shard = 0; shard < members_.size(); ++shard) {
+    if (!members_[shard].publisher || !links_->answers(shard)) continue;
+    Result<PublisherReport> one =
+        members_[shard].publisher->report(std::max<nanoseconds>(deadline - Clock::now(), milliseconds(1)));
+    if (!one) return one.error();
+    if (all.refused.empty()) all.refused = std::move(one->refused);
+    std::move(one->left_out.begin(), one->left_out.end(), std::back_inserter(all.left_out));
+    all.left_out_count += one->left_out_count;
+    all.merged_poses += one->merged_poses;
+  }
+  return all;
 }
 
 std::size_t ShardedPublishing::copies() const {

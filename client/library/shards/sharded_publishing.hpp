@@ -31,9 +31,10 @@ class [[gnu::visibility("hidden")]] ShardedPublishing {
   Result<Object> add(const ObjectOptions& options);
   Result<void> remove(Object object);
   Result<void> move(Object object, const Pose& pose, bool teleport);
-  Result<void> flush(std::chrono::nanoseconds source_time);
-  Result<void> keep_alive();
+  Result<FlushReport> flush(std::chrono::nanoseconds source_time);
+  Result<void> keep_alive(std::chrono::nanoseconds source_time);
   Result<void> wait_applied(std::chrono::nanoseconds timeout);
+  Result<PublisherReport> report(std::chrono::nanoseconds timeout);
   std::size_t copies() const;
 
  private:
@@ -51,12 +52,18 @@ class [[gnu::visibility("hidden")]] ShardedPublishing {
     std::optional<std::chrono::nanoseconds>
         decided;  // when something was found missing: how far it has decided without this
   };
+  /// An object in one shard.
+  struct Copy {
+    Publisher::Object handle = 0;
+    std::chrono::nanoseconds left{0};  // the instant since when it has been out of the shard; 0: it is there
+  };
   /// An object's shape, and where it is defined.
   struct Copies {
     Shape shape;
-    double reach_m = 0;                      // about its frame's origin
-    ShardSet held = 0;                       // by these shards
-    std::vector<Publisher::Object> handles;  // there, in the order of the bits
+    double reach_m = 0;         // about its frame's origin
+    ShardSet held = 0;          // by these shards
+    std::vector<Copy> in_each;  // of them, in the order of the bits
+    bool is_leaving = false;    // its number is in leaving_
   };
 
   ShardedPublishing(std::shared_ptr<ShardLinks> links, const std::string& name, const PublishOptions& options);
@@ -70,14 +77,16 @@ class [[gnu::visibility("hidden")]] ShardedPublishing {
   void catch_up(std::size_t shard);
   void try_missing();
   bool may_fill(std::size_t shard) const;
+  std::optional<std::chrono::nanoseconds> ask_decided(std::size_t shard, std::unique_lock<std::mutex> & lock);
   void find_decided(std::unique_lock<std::mutex> & lock);
+  void drop_left(std::unique_lock<std::mutex> & lock);
   void join_ahead();
   void run();
 
   std::optional<Error> enter(std::uint32_t number, std::size_t shard);
   void leave(std::uint32_t number, std::size_t shard);
   static std::size_t place_of(const Copies& copies, std::size_t shard);
-  void drop_left();
+  void drop_left(std::size_t shard, std::chrono::nanoseconds decided);
   ShardSet needed() const;
   ShardSet holders_on_way(std::uint32_t number) const;
   ShardSet fill_missing();
@@ -85,20 +94,22 @@ class [[gnu::visibility("hidden")]] ShardedPublishing {
   std::optional<Error> enter_all(ShardSet & entered);
   std::optional<Error> move_copies(std::uint32_t number);
   std::optional<Error> tell(std::size_t shard, std::chrono::nanoseconds instant, bool is_entered);
-  void note_left();
+  void note_left(std::chrono::nanoseconds instant);
 
   const std::shared_ptr<ShardLinks> links_;
   const std::string name_;
   const PublishOptions options_;
   mutable std::mutex mutex_;
-  std::shared_ptr<const ShardView> view_;                 // by which objects are told, until follow_view()
-  std::vector<ShardMember> members_;                      // by place in the view; it never moves
-  std::vector<ShardSet> neighbours_;                      // likewise: the shards that hold something in common with it
-  PublishedObjects objects_;                              // their shapes are in copies_
-  std::vector<Copies> copies_;                            // by object number
-  std::vector<std::pair<std::uint32_t, ShardSet>> left_;  // numbers of objects, and the shards that they were out of
+  std::shared_ptr<const ShardView> view_;  // by which objects are told, until follow_view()
+  std::vector<ShardMember> members_;       // by place in the view; it never moves
+  std::vector<ShardSet> neighbours_;       // likewise: the shards that hold something in common with it
+  PublishedObjects objects_;               // their shapes are in copies_
+  std::vector<Copies> copies_;             // by object number
+  std::vector<std::uint32_t> leaving_;     // numbers of objects with a copy that is out of its shard
   std::chrono::nanoseconds flushed_{0};
   Clock::time_point flushed_at_;
+  std::string lost_;            // what a shard reports of a loss since the last flush
+  bool has_own_clock_ = false;  // the last flush had no time, so the library's clock counts
   ShardSet missing_ =
       0;  // shards that do not hold all that they should: they were not there, or have not come far enough
   ShardSet new_in_ = 0;  // shards where an object was added since the last flush

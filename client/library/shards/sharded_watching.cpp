@@ -17,7 +17,9 @@ namespace {
 
 /// Between two rounds. An event waits for two of them.
 constexpr nanoseconds kRound = milliseconds(20);
-constexpr nanoseconds kAskTimeout = milliseconds(250);
+/// A server that has more to do than it can answers after seconds, and is waited for as long as it is heard. The wait ends
+/// early if the server dies or is replaced.
+constexpr nanoseconds kAskTimeout = std::chrono::seconds(5);
 
 }  // namespace
 
@@ -117,8 +119,7 @@ void ShardedWatching::ask_all() {
       const bool is_replaced = watched.now && watched.now->told.epoch != said->told.epoch;
       is_any_awaited = is_any_awaited || is_replaced;
       watched.now = said;
-      watched.answered = Clock::now();
-    } else if (watched.now && Clock::now() - watched.answered < links_->replaced_within(shard)) {
+    } else if (watched.now && Clock::now() - watched.there < links_->replaced_within(shard)) {
       is_any_awaited = true;
     } else if (watched.now) {
       watched.now.reset();
@@ -160,9 +161,12 @@ void ShardedWatching::watch_new(std::size_t shard) {
 }
 
 std::optional<ShardedWatching::ShardProgress> ShardedWatching::ask(std::size_t shard) {
-  if (!shards_[shard].watch || !shards_[shard].watch->in_step() || !links_->answers(shard)) return std::nullopt;
+  WatchedShard& watched = shards_[shard];
+  if (!watched.watch || !watched.watch->in_step() || !links_->answers(shard)) return std::nullopt;
   const Result<std::string> answer = command(*links_->connection(shard), wire_contract::command::kSettled,
                                              {{"watch", number_}, {"map", told_map_}}, kAskTimeout);
+  const bool is_late = !answer && answer.error().code == ErrorCode::timeout && links_->answers(shard);
+  if (answer || is_late) watched.there = Clock::now();
   if (!answer) return std::nullopt;
   const nlohmann::json said = nlohmann::json::parse(*answer, nullptr, false);
   if (!said.is_object()) return std::nullopt;

@@ -43,7 +43,7 @@ class [[gnu::visibility("hidden")]] ShardedWatching {
   struct WatchedShard {
     std::unique_ptr<Watch::State> watch;  // null: it was never there
     std::optional<ShardProgress> now;     // by the newest round in which it answered; none: it is away
-    Clock::time_point answered;           // when that was
+    Clock::time_point there;              // when it last answered, or was heard although its answer was late
     std::uint64_t gaps = 0;               // of the watch, that are in gaps_
     std::uint64_t life_changes = 0;       // of the server, that were judged
   };
@@ -68,6 +68,9 @@ class [[gnu::visibility("hidden")]] ShardedWatching {
   const std::shared_ptr<ShardLinks> links_;
   const WatchOptions options_;
   const std::uint64_t number_;  // by which servers know it among others
+  // Before the watches, so that they are destroyed after them: the threads of the watches call back into these.
+  std::mutex heard_mutex_;
+  std::vector<ShardEvent> heard_;  // since the merge took them last
   // Of the thread.
   std::shared_ptr<const ShardView> view_;
   std::vector<WatchedShard> shards_;                    // by place in the view
@@ -76,8 +79,6 @@ class [[gnu::visibility("hidden")]] ShardedWatching {
   std::optional<std::chrono::nanoseconds> may_settle_;  // by the round before
   EpisodeMerge merge_;
 
-  std::mutex heard_mutex_;
-  std::vector<ShardEvent> heard_;  // since the merge took them last
   EventQueue events_;
   std::mutex over_mutex_;
   std::condition_variable over_came_;

@@ -15,6 +15,7 @@ FenceEvent news_of(const Event& event, FenceEventKind kind) {
   return {.kind = kind,
           .reason = kind == FenceEventKind::exit ? event.reason : EndReason::none,
           .doubt = event.doubt,
+          .poses_merged = event.poses_merged,
           .resync = event.resync,
           .object = event.a,
           .fence = event.b,
@@ -40,6 +41,7 @@ std::vector<FenceEvent> FenceNews::take(const Event& event) {
   std::vector<FenceEvent> told;
   if (is_passage && (event.b_triangle & kTellsCross) != 0) {
     told.push_back(news_of(*passing, FenceEventKind::cross));
+    told.back().poses_merged = passing->poses_merged || event.poses_merged;
     told.back().sequence = event.sequence;
     told.back().left_low_s = event.bracket_low_s;
     told.back().left_high_s = event.bracket_high_s;

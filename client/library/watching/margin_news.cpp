@@ -60,6 +60,7 @@ void take_approach(const Event& event, MarginEvent& told) {
 std::optional<MarginEvent> margin_news(const Event& event, const MarginWatchOptions& wanted) {
   MarginEvent told{.reason = event.kind == EventKind::ended ? event.reason : EndReason::none,
                    .doubt = event.doubt,
+                   .poses_merged = event.poses_merged,
                    .resync = event.resync,
                    .margin = {},
                    .object = event.a,

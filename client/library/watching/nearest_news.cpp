@@ -17,6 +17,7 @@ std::optional<NearestEvent> NearestNews::take(const Event& event) {
   if (!wire_contract::is_nearest_id(event.b_id)) return std::nullopt;
   NearestEvent told{.kind = event.kind == EventKind::open ? NearestEventKind::is : NearestEventKind::changed,
                     .doubt = event.doubt,
+                    .poses_merged = event.poses_merged,
                     .resync = event.resync,
                     .nearest = event.b,
                     .from = {},
@@ -32,6 +33,7 @@ std::optional<NearestEvent> NearestNews::take(const Event& event) {
     if (newest == newest_.end() || newest->second.id != event.a_id) return std::nullopt;
     if (event.b_triangle == wire_contract::kNearestGoesOn) {
       newest->second.ended = event.reason;
+      newest->second.poses_merged = event.poses_merged;
       return std::nullopt;
     }
     told.reason = event.reason;
@@ -42,6 +44,7 @@ std::optional<NearestEvent> NearestNews::take(const Event& event) {
   }
   Newest& newest = newest_[event.b_id];
   told.reason = newest.ended;
+  told.poses_merged = event.poses_merged || newest.poses_merged;
   told.from = newest.object;
   told.to = event.a;
   told.to_id = event.a_id;
@@ -51,7 +54,7 @@ std::optional<NearestEvent> NearestNews::take(const Event& event) {
     told.point = event.point;
     told.normal = event.normal;
   }
-  newest = {event.a, event.a_id, EndReason::none};
+  newest = {.object = event.a, .id = event.a_id};
   return told;
 }
 

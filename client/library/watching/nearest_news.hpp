@@ -23,6 +23,7 @@ class NearestNews {
     std::string object;
     std::uint64_t id = 0;
     EndReason ended = EndReason::none;  // why it is not any more, while it is not told who follows
+    bool poses_merged = false;          // with that end
   };
   std::map<std::uint64_t, Newest> newest_;  // by question
 };

@@ -131,11 +131,9 @@ Result<std::unique_ptr<ProbeWatch::State>> ProbeWatch::State::start(std::shared_
     std::unique_ptr<State> state(new State(std::move(connection), options));
     const client::Clock::time_point deadline = client::Clock::now() + state->connection_->options().wait;
     const auto is_offered = [&] { return state->reader_->matched_writers() > 0; };
-    const auto is_silent = [&] { return state->connection_->pulse().silent(); };
-    const bool in_time = client::wait_until(deadline, [&] { return is_offered() || is_silent(); });
-    if (!is_offered() && is_silent()) return state->connection_->disconnected();
-    if (!in_time) return Error{ErrorCode::no_server, "probes: the server offers no readings", ""};
-    return state;
+    if (client::wait_until(deadline, is_offered)) return state;
+    if (state->connection_->pulse().silent()) return state->connection_->disconnected();
+    return Error{ErrorCode::no_server, "probes: the server offers no readings", ""};
   } catch (const dds::DdsError& failed) { return client::failure_of(failed); }
 }
 

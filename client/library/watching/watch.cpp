@@ -121,11 +121,9 @@ std::optional<Error> Watch::State::wait_for_server() const {
   const auto is_offered = [&] {
     return event_reader_->matched_writers() > 0 && contact_reader_->matched_writers() > 0;
   };
-  const auto is_silent = [&] { return connection_->pulse().silent(); };
-  const bool in_time = client::wait_until(deadline, [&] { return is_offered() || is_silent(); });
-  if (!is_offered() && is_silent()) return connection_->disconnected();
-  if (!in_time) return Error{ErrorCode::no_server, "watch: the server offers no events", ""};
-  return std::nullopt;
+  if (client::wait_until(deadline, is_offered)) return std::nullopt;
+  if (connection_->pulse().silent()) return connection_->disconnected();
+  return Error{ErrorCode::no_server, "watch: the server offers no events", ""};
 }
 
 std::optional<Error> Watch::State::hear_recorded(std::chrono::nanoseconds since) {

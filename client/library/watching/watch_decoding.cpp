@@ -62,7 +62,9 @@ Event decode_pair(const Message& message, std::size_t index, const Names& names)
   event.surface_normal = vector_in(message.surface_normals, index);
   event.surface_depth_m = dds::view(message.surface_depths)[index];
   event.surface_depth_error_m = dds::view(message.surface_depth_errors)[index];
-  event.doubt = doubt_of(dds::view(message.doubts)[index]);
+  const std::uint8_t doubts = dds::view(message.doubts)[index];
+  event.doubt = doubt_of(static_cast<std::uint8_t>(doubts & ~wire_contract::kPosesMerged));
+  event.poses_merged = (doubts & wire_contract::kPosesMerged) != 0;
   return event;
 }
 

@@ -35,7 +35,7 @@ from ._explanations import (
 from ._fences import FenceEvent, FenceWatch, MarginEvent, MarginWatch, NearestEvent, NearestWatch
 from ._groups import Clearance, ClearancePair
 from ._library import version
-from ._publisher import Publisher
+from ._publisher import Publisher, PublisherReport
 from ._recordings import RecordedFenceEvents, recorded_fence_events
 from ._shapes import (
     Box,
@@ -102,6 +102,7 @@ __all__ = [
     "PairAnswer",
     "Polyline",
     "Publisher",
+    "PublisherReport",
     "RecordedFenceEvents",
     "Refused",
     "Shape",

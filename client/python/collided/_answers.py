@@ -5,6 +5,7 @@ from __future__ import annotations
 import array
 import ctypes
 import enum
+import math
 from dataclasses import dataclass
 from typing import Any, Iterator
 
@@ -47,7 +48,9 @@ class Hit:
     normal: tuple[float, float, float]
     inside: bool
     stale: bool
-    by_winding: bool = False  #: inside by the winding number of a mesh that does not close; see Client.add
+    #: Inside by the winding number of a mesh that does not close (Client.add): `distance` is how far its surface is, which is
+    #: no depth.
+    by_winding: bool = False
 
 
 @dataclass(frozen=True)
@@ -57,6 +60,10 @@ class Answer:
     verdict: Verdict
     reason: str  #: why it is undecided, such as "stale_object"; else empty
     hits: tuple[Hit, ...]  #: nearest first, of spheres and boxes deepest first
+    #: With reason "not_covered": where the question leaves the space in which the geometry is complete, and the distance that
+    #: is covered.
+    uncovered: tuple[float, float, float] | None = None
+    covered: float | None = None
 
     def __bool__(self) -> bool:
         return bool(self.verdict)
@@ -78,7 +85,11 @@ _TYPES = {
     "weights": ("f8", "d", 3),
     "inside": ("u1", "B", 1),
     "stale": ("u1", "B", 1),
+    "by_winding": ("u1", "B", 1),
+    "uncovered": ("f8", "d", 3),
+    "covered_m": ("f8", "d", 1),
 }
+_OF_QUESTIONS = ("verdict", "reason", "hit_count", "uncovered", "covered_m")
 NO_TRIANGLE = 0xFFFFFFFF
 
 
@@ -112,7 +123,7 @@ class Answers(Owned):
         kept = self._columns.get((name, first_hits))
         if kept is not None:
             return kept
-        of_question = name in ("verdict", "reason", "hit_count")
+        of_question = name in _OF_QUESTIONS
         count = self._info.questions if first_hits or of_question else self._info.hits
         dtype, code, width = _TYPES[name]
         if _numbers.numpy is not None:
@@ -197,6 +208,26 @@ class Answers(Owned):
         return self._column("normal")
 
     @property
+    def inside(self) -> Any:
+        """(n,) 1 where a ray begins, or a point lies, in a solid; 2 where it is so by winding number; else 0."""
+        return self._column("inside")
+
+    @property
+    def by_winding(self) -> Any:
+        """(n,) 1 where the distance is that of the surface of a mesh that does not close, and no depth; else 0."""
+        return self._column("by_winding")
+
+    @property
+    def uncovered(self) -> Any:
+        """(n, 3) where a question leaves the space in which the geometry is complete; NaN where it does not."""
+        return self._column("uncovered")
+
+    @property
+    def covered(self) -> Any:
+        """(n,) metres of each question that are in that space, with reason 6; else NaN."""
+        return self._column("covered_m")
+
+    @property
     def object(self) -> list[str | None]:
         """Names of what was hit first; None where nothing was."""
         names: list[str | None] = []
@@ -227,7 +258,7 @@ class Answers(Owned):
         if _numbers.numpy is None:
             return [(i, hit) for i, answer in enumerate(self) for hit in answer.hits]
         numpy = _numbers.numpy
-        fields = [name for name in _TYPES if name not in ("verdict", "reason", "hit_count")]
+        fields = [name for name in _TYPES if name not in _OF_QUESTIONS]
         layout = [(name.removesuffix("_m"), _TYPES[name][0], (3,) if _TYPES[name][2] == 3 else ()) for name in fields]
         table = numpy.empty(self._info.hits, dtype=[("question", "u4"), *layout])
         table["question"] = numpy.repeat(numpy.arange(len(self), dtype="u4"), self.hit_count)
@@ -257,16 +288,23 @@ class Answers(Owned):
             Verdict(int(self.verdict[index])),
             REASONS[reason] if reason < len(REASONS) else str(reason),
             tuple(self._hit(first + i) for i in range(int(self.hit_count[index]))),
+            *self._uncovered(index, reason),
         )
+
+    def _uncovered(self, index: int, reason: int) -> tuple[tuple[float, float, float] | None, float | None]:
+        if REASONS[reason : reason + 1] != ("not_covered",):
+            return None, None
+        point, covered = self._triple("uncovered", index), float(self._column("covered_m")[index])
+        return (None, None) if math.isnan(point[0]) else (point, None if math.isnan(covered) else covered)
+
+    def _triple(self, name: str, number: int) -> tuple[float, float, float]:
+        column = self._column(name, first_hits=False)
+        three = column[number] if _numbers.numpy is not None else column[3 * number : 3 * number + 3]
+        return float(three[0]), float(three[1]), float(three[2])
 
     def _hit(self, number: int) -> Hit:
         def value(name: str) -> Any:
             return self._column(name, first_hits=False)[number]
-
-        def triple(name: str) -> tuple[float, float, float]:
-            column = self._column(name, first_hits=False)
-            three = column[number] if _numbers.numpy is not None else column[3 * number : 3 * number + 3]
-            return float(three[0]), float(three[1]), float(three[2])
 
         triangle = int(value("triangle"))
         return Hit(
@@ -274,11 +312,11 @@ class Answers(Owned):
             None if triangle == NO_TRIANGLE else triangle,
             float(value("distance_m")),
             float(value("error_m")),
-            triple("point"),
-            triple("normal"),
+            self._triple("point", number),
+            self._triple("normal", number),
             bool(value("inside")),
             bool(value("stale")),
-            int(value("inside")) == 2,
+            bool(value("by_winding")),
         )
 
     def __bool__(self) -> bool:

@@ -14,7 +14,7 @@ from ._numbers import Row
 from ._publisher import Publisher
 from ._shapes import Shape, Solid, encode_object
 from ._standing import Standing
-from ._structs import ConnectOptions, CStatus, WatchOptions
+from ._structs import ConnectOptions, CStatus, PublishOptions, WatchOptions
 from ._watch import Watch
 
 
@@ -164,12 +164,16 @@ class Client(Asking, Standing, Explaining):
         call("watch_start", self._handle, ctypes.byref(options), None, None, ctypes.byref(started))
         return Watch(started)
 
-    def publish(self, name: str, *, lease: float = 0.5) -> Publisher:
+    def publish(self, name: str, *, lease: float = 0.5, gap: float = 1.5) -> Publisher:
         """Becomes a publisher of objects and their poses. Without a call of its for `lease` seconds (0.1 s to a day) the
-        server counts it as lost."""
+        server counts it as lost. Between two poses an object goes straight if they are at most `gap` seconds apart (0.001
+        to 8); beyond, it rested until one gap before the later pose. Choose it longer than the period of the source."""
         made = ctypes.c_void_p()
         words = encoded(name, "the publisher's name")
-        call("publish_leased", self._handle, words, max(nanoseconds(lease, "lease"), 1), ctypes.byref(made))
+        options = PublishOptions(
+            size=ctypes.sizeof(PublishOptions), lease_ns=nanoseconds(lease, "lease"), gap_ns=nanoseconds(gap, "gap")
+        )
+        call("publish_with", self._handle, words, ctypes.byref(options), ctypes.byref(made))
         return Publisher(made)
 
     def __enter__(self) -> Client:

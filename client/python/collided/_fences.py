@@ -38,6 +38,7 @@ class FenceEvent:
     bracket: tuple[float, float]  #: the change happened between these, in seconds before world_time_ns
     left: tuple[float, float]  #: of cross: the same of the going out
     point: tuple[float, float, float]
+    poses_merged: bool = False  #: the server replaced poses by newer ones, as of contacts
 
 
 @dataclass(frozen=True)
@@ -65,6 +66,7 @@ class MarginEvent:
     closing: float  #: how fast the distance shrinks, m/s
     closing_error: float
     contact_in: tuple[float, float] | None  #: when the two would touch if both went on so; None: not within a minute
+    poses_merged: bool = False  #: the server replaced poses by newer ones, as of contacts
 
 
 @dataclass(frozen=True)
@@ -86,6 +88,7 @@ class NearestEvent:
     distance_error: float
     point: tuple[float, float, float]  #: of `to`; zero where they touch
     normal: tuple[float, float, float]  #: unit, from there to what it is nearest to; zero where they touch
+    poses_merged: bool = False  #: the server replaced poses by newer ones, as of contacts
 
 
 def _triple(values: Any) -> tuple[float, float, float]:
@@ -112,6 +115,7 @@ def _fence_event(told: CFenceEvent) -> FenceEvent:
         (told.bracket_low_s, told.bracket_high_s),
         (told.left_low_s, told.left_high_s),
         _triple(told.point),
+        bool(told.poses_merged),
     )
 
 
@@ -138,6 +142,7 @@ def _margin_event(told: CMarginEvent) -> MarginEvent:
         told.closing_mps,
         told.closing_error_mps,
         (told.contact_in_low_s, told.contact_in_high_s) if told.has_contact_in else None,
+        bool(told.poses_merged),
     )
 
 
@@ -158,6 +163,7 @@ def _nearest_event(told: CNearestEvent) -> NearestEvent:
         told.distance_error_m,
         _triple(told.point),
         _triple(told.normal),
+        bool(told.poses_merged),
     )
 
 

@@ -38,6 +38,7 @@ class Clearance:
     late: bool  #: the deadline was over: a nearer pair may be missing
     stale: bool  #: an object of a lost publisher may by now be in a nearer pair
     version: int
+    uncovered: Vector | None = None  #: a point nearer than the last pair in which the geometry is not known to be complete
 
     def __bool__(self) -> bool:
         return bool(self.verdict)
@@ -70,4 +71,5 @@ def read_clearance(answer: dict[str, Any]) -> Clearance:
         answer.get("late", False),
         answer.get("stale", False),
         answer["version"],
+        _triple(answer["uncovered"]) if answer.get("uncovered") else None,
     )

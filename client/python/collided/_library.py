@@ -5,6 +5,7 @@ from __future__ import annotations
 import ctypes
 import os
 import pathlib
+import warnings
 from ctypes import POINTER, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p
 from typing import Any
 
@@ -22,12 +23,14 @@ from ._structs import (
     CNearestEvent,
     CObject,
     CPairAnswer,
+    CReport,
     CStatus,
     CVoxelScan,
     Columns,
     ConnectOptions,
     RecordedAbout,
     RecordedOptions,
+    PublishOptions,
     VoxelOptions,
     WatchOptions,
 )
@@ -107,6 +110,8 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "recorded_warning": (c_char_p, [c_void_p, c_size_t]),
     "publish": (c_int32, [c_void_p, c_char_p, _OUT, _ERROR]),
     "publish_leased": (c_int32, [c_void_p, c_char_p, c_int64, _OUT, _ERROR]),
+    "publish_defaults": (None, [POINTER(PublishOptions), c_uint32]),
+    "publish_with": (c_int32, [c_void_p, c_char_p, POINTER(PublishOptions), _OUT, _ERROR]),
     "publisher_close": (None, [c_void_p]),
     "publisher_add": (c_int32, [c_void_p, POINTER(CObject), POINTER(c_uint32), _ERROR]),
     "publisher_claim": (
@@ -117,7 +122,9 @@ _FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
     "publisher_move": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, c_void_p, c_int32, _ERROR]),
     "publisher_flush": (c_int32, [c_void_p, c_int64, POINTER(c_uint64), _ERROR]),
     "publisher_wait_applied": (c_int32, [c_void_p, c_int64, _ERROR]),
+    "publisher_report": (c_int32, [c_void_p, c_int64, POINTER(CReport), _ERROR]),
     "publisher_keep_alive": (c_int32, [c_void_p, _ERROR]),
+    "publisher_keep_alive_at": (c_int32, [c_void_p, c_int64, _ERROR]),
     "publisher_stream": (None, [c_void_p]),
     "voxel_defaults": (None, [POINTER(VoxelOptions), c_uint32]),
     "voxels_start": (c_int32, [c_void_p, c_char_p, POINTER(VoxelOptions), _OUT, _ERROR]),
@@ -162,10 +169,13 @@ def version() -> str:
 
 
 def call(name: str, *arguments: Any) -> int:
-    """Calls a function that returns a code, and raises where that is an error."""
+    """Calls a function that returns a code, and raises where that is an error. Warns of what a call that went well has to
+    report."""
     error = CError(size=ctypes.sizeof(CError))
     code = int(getattr(library, "collided_" + name)(*arguments, ctypes.byref(error)))
     if code in (0, NOTHING):
+        if error.message:
+            warnings.warn(error.message.decode("utf-8", "replace"), RuntimeWarning, stacklevel=3)
         return code
     raise _ERRORS.get(code, InternalError)(
         error.message.decode("utf-8", "replace"), error.hint.decode("utf-8", "replace"), error.retry_after_ns * 1e-9

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+from dataclasses import dataclass
 from typing import Sequence
 
 from . import _numbers, _voxels
@@ -10,14 +11,26 @@ from ._errors import BadInput
 from ._library import Owned, call, encoded, library, nanoseconds
 from ._numbers import Row, Rows
 from ._shapes import LOST_POLICIES, Shape, Solid, encode_object
+from ._structs import CReport
 from ._voxels import Voxels
+
+
+@dataclass(frozen=True)
+class PublisherReport:
+    """What the server has not taken as it was published."""
+
+    refused: str  #: why the server takes nothing of this publisher; empty: it does
+    left_out: list[tuple[str, str]]  #: objects that are not in the world as they were defined, and why; at most 20
+    left_out_count: int  #: all of them
+    merged_poses: int  #: poses that newer ones replaced, since the server had more than it could apply
 
 
 class Publisher(Owned):
     """Objects live as long as their publisher, unless removed earlier. move() collects poses, flush() sends them.
 
-    Only calls tell the server that it is alive: after 500 ms without one it counts as lost, and each object's `lost`
-    says what becomes of it. The next call makes everything good again.
+    Only calls show the server that it is alive: after 500 ms without one (its lease) it counts as lost. Its objects are then
+    stale, and leave some seconds later as each object's `lost` says. The next call brings everything back, and flush()
+    warns of the loss.
     """
 
     _what = "the publisher"
@@ -87,7 +100,7 @@ class Publisher(Owned):
 
     def flush(self, source_time_ns: int = 0) -> int:
         """Sends what was moved, and says that what was not moved has rested until then (0: now). Returns the number of
-        the last message."""
+        the last message. Warns (RuntimeWarning) if the server had counted this publisher as lost since the last flush."""
         sequence = ctypes.c_uint64()
         call("publisher_flush", self._handle, source_time_ns, ctypes.byref(sequence))
         return sequence.value
@@ -96,9 +109,21 @@ class Publisher(Owned):
         """Waits until the server has applied everything sent so far."""
         call("publisher_wait_applied", self._handle, nanoseconds(timeout, "timeout"))
 
-    def keep_alive(self) -> None:
-        """Tells the server that this publisher is alive, without moving anything."""
-        call("publisher_keep_alive", self._handle)
+    def report(self, timeout: float = 10.0) -> PublisherReport:
+        """Asks the server what it has not taken; after wait_applied() that counts everything sent before."""
+        told = CReport(size=ctypes.sizeof(CReport))
+        call("publisher_report", self._handle, nanoseconds(timeout, "timeout"), ctypes.byref(told))
+
+        def text(value: bytes | None) -> str:
+            return (value or b"").decode("utf-8", "surrogateescape")
+
+        left_out = [(text(told.names[i]), text(told.reasons[i])) for i in range(told.name_count)]
+        return PublisherReport(text(told.refused), left_out, told.left_out_count, told.merged_poses)
+
+    def keep_alive(self, source_time_ns: int = 0) -> None:
+        """Shows the server that this publisher is alive, and says nothing about its objects: flush() says that what was
+        not moved has rested. source_time_ns: the publisher's time now, for one that gives flush() its own times."""
+        call("publisher_keep_alive_at", self._handle, source_time_ns)
 
     def stream(self) -> None:
         """From now on a flush says nothing about objects that were not moved: each moves between its own poses."""

@@ -115,6 +115,9 @@ class Columns(Structure):
         ("time_high", c_void_p),
         ("inside", c_void_p),
         ("stale", c_void_p),
+        ("by_winding", c_void_p),
+        ("uncovered", c_void_p),
+        ("covered_m", c_void_p),
     ]
 
 
@@ -196,6 +199,19 @@ class CEvent(Structure):
         ("relative_velocity", c_double * 3),
         ("velocity_error", c_double),
         ("contained", c_int32),
+        ("surface_normal", c_double * 3),
+        ("surface_depth_m", c_double),
+        ("surface_depth_error_m", c_double),
+        ("poses_merged", c_int32),
+    ]
+
+
+class PublishOptions(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("reserved", c_uint32),
+        ("lease_ns", c_int64),
+        ("gap_ns", c_int64),
     ]
 
 
@@ -291,6 +307,7 @@ class CFenceEvent(Structure):
         ("left_low_s", c_double),
         ("left_high_s", c_double),
         ("point", c_double * 3),
+        ("poses_merged", c_int32),
     ]
 
 
@@ -321,6 +338,7 @@ class CMarginEvent(Structure):
         ("closing_error_mps", c_double),
         ("contact_in_low_s", c_double),
         ("contact_in_high_s", c_double),
+        ("poses_merged", c_int32),
     ]
 
 
@@ -343,6 +361,20 @@ class CNearestEvent(Structure):
         ("distance_error_m", c_double),
         ("point", c_double * 3),
         ("normal", c_double * 3),
+        ("poses_merged", c_int32),
+    ]
+
+
+class CReport(Structure):
+    _fields_ = [
+        ("size", c_uint32),
+        ("reserved", c_uint32),
+        ("refused", c_char_p),
+        ("names", POINTER(c_char_p)),
+        ("reasons", POINTER(c_char_p)),
+        ("name_count", c_size_t),
+        ("left_out_count", c_uint64),
+        ("merged_poses", c_uint64),
     ]
 
 

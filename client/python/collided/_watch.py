@@ -60,6 +60,12 @@ class Event:
     relative_velocity: tuple[float, float, float]
     velocity_error: float
     contained: str  #: "a_in_b" or "b_in_a" where one lies wholly within the other, a declared solid; else empty
+    #: Normal and depth with neighbouring bodies counted as one surface, as at the inner edges of a tiled floor; elsewhere equal
+    #: to those above.
+    surface_normal: tuple[float, float, float] = (0.0, 0.0, 0.0)
+    surface_depth: float = 0.0
+    surface_depth_error: float = 0.0
+    poses_merged: bool = False  #: the server replaced poses of one of the two by newer ones; the event is of that way
 
 
 def _event(told: CEvent) -> Event:
@@ -86,6 +92,10 @@ def _event(told: CEvent) -> Event:
         triple(told.relative_velocity),
         told.velocity_error,
         word(CONTAINED, told.contained),
+        triple(told.surface_normal),
+        told.surface_depth_m,
+        told.surface_depth_error_m,
+        bool(told.poses_merged),
     )
 
 

@@ -1,6 +1,6 @@
 /// What the page asks the server, and how it shows the answers: to clicks and drags, and distances to what is under the pointer.
 class Asking {
-  /// on: {send(question) -> whether it was sent, chosen(), hovered(), choose(slot), drawn()}
+  /// on: {send(question) -> whether it was sent, whyNotSent(), chosen(), hovered(), choose(slot), drawn()}
   constructor(world, camera, marks, on) {
     this.world = world;
     this.camera = camera;
@@ -23,7 +23,7 @@ class Asking {
   askShown(question) {
     this.clicked = this.ask(question);
     this.shown = { question, at: performance.now() };
-    if (this.clicked === null) this.showAnswer(["nobody answers: the page shows the past or a recording, or the viewer is gone"], "", "");
+    if (this.clicked === null) this.showAnswer([this.on.whyNotSent()], "", "");
   }
 
   /// Asks a ray from the eye. The command line shows the numbers that were sent: all their digits.

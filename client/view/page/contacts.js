@@ -123,15 +123,16 @@ class Marks {
     return region;
   }
 
-  /// Contacts that are too near each other to be told apart: one mark with their number.
+  /// Contacts that are too near each other to be told apart: one mark with the number of those that hold. Ended ones only flash.
   putCluster(cluster) {
     const flash = Math.max(...cluster.map((one) => one.flash));
-    if (cluster.length === 1) return this.putContact(cluster[0], flash);
-    const points = cluster.map(({ pair }) => pair.point);
+    const held = cluster.filter(({ pair }) => pair.holds);
+    if (held.length <= 1) return this.putContact(held[0] ?? cluster[0], flash);
+    const points = held.map(({ pair }) => pair.point);
     const middle = scale(points.reduce(add), 1 / points.length);
-    this.put(middle, middle, 7 + Math.min(5, Math.log2(cluster.length)), 2, 0.9, 1);
+    this.put(middle, middle, 7 + Math.min(5, Math.log2(held.length)), 2, 0.9, 1);
     if (flash > 0) this.put(middle, middle, 16, 1, flash, 1);
-    this.texts.push({ point: middle, text: String(cluster.length), beside: true });
+    this.texts.push({ point: middle, text: String(held.length), beside: true });
   }
 
   /// A dot, no larger than an object of 10 cm would be but never too small to see; near by, normal and depth to scale.

@@ -49,12 +49,12 @@ class FlatTable {
   }
 }
 
-/// A shape as the page draws it: {parts (as in page_messages.hpp), meshes [surface]}.
-function readShape(bytes) {
+/// A shape as the page draws it: {parts (as in page_messages.hpp), meshes [surface]}. scale: factors besides its own.
+function readShape(bytes, scale = [1, 1, 1]) {
   const view = new DataView(bytes.buffer, bytes.byteOffset, bytes.byteLength);
   const shape = new FlatTable(view, view.getUint32(0, true));
   const scaleAt = shape.place(13);
-  const factor = scaleAt ? shape.doubles(scaleAt, 3) : [1, 1, 1];
+  const factor = (scaleAt ? shape.doubles(scaleAt, 3) : [1, 1, 1]).map((one, axis) => one * scale[axis]);
   const scaled = (point) => point.map((part, axis) => part * factor[axis]);
   const ends = (n) => [...scaled(n.slice(0, 3)), ...scaled(n.slice(3, 6)), n[6] * factor[0]];
   const axes = shape.structs(4, 9);

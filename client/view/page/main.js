@@ -27,8 +27,10 @@ class Page {
 
   setUpAsking() {
     const objectOf = (slot) => this.world.objects.get(slot);
+    const pick = (x, y) => this.picture.renderer?.pick((x + 1) / 2, (y + 1) / 2) ?? null;
     this.asking = new Asking(this.world, this.camera, this.picture.marks, {
       send: (question) => (this.timeline.isLive || question.ask === "memory") && this.source.ask(question),
+      whyNotSent: () => this.whyNotSent(),
       chosen: () => objectOf(this.chosen),
       hovered: () => objectOf(this.hovered),
       choose: (slot) => this.choose(slot),
@@ -41,8 +43,8 @@ class Page {
     });
     this.tools = new Tools(this.world, this.camera, this.picture.marks, {
       ask: (question) => this.asking.askShown(question),
-      ray: (x, y) => this.asking.ray(x, y),
-      pick: (x, y) => this.picture.renderer?.pick((x + 1) / 2, (y + 1) / 2) ?? null,
+      ray: (x, y) => (this.timeline.isLive ? this.asking.ray(x, y) : this.choose(pick(x, y)?.slot ?? null)),
+      pick,
       choose: (slot) => this.choose(slot),
       chosen: () => objectOf(this.chosen),
       name: (slot) => objectOf(slot).name,
@@ -85,6 +87,7 @@ class Page {
     this.opening = new Opening({
       surroundings: () => standingOf(this.timeline.tableShown()),
       ask: (question) => this.asking.ask(question),
+      whyNotSent: () => this.whyNotSent(),
       opened: (recorded, name) => {
         this.camera.isTouched = false;
         this.timeline.open(recorded);
@@ -103,6 +106,7 @@ class Page {
     this.source.unpack().then(() => {
       this.timeline.history.end = this.source.duration();
       this.timeline.goTo(this.timeline.begin());
+      this.timeline.play();
       this.isUnpacked = true;
     });
   }
@@ -132,6 +136,9 @@ class Page {
     window.addEventListener("resize", () => this.fitIfUntouched());
     byId("fit").addEventListener("click", () => this.fitAll());
     byId("theme").addEventListener("click", () => this.setTheme(this.isNight() ? "paper" : "night"));
+    byId("panels").addEventListener("pointerdown", () => { this.isPressed = true; });
+    // A release beside the window may not be heard of: a pointer that comes back without a button tells it.
+    for (const kind of ["pointerup", "pointercancel", "pointermove"]) window.addEventListener(kind, (event) => { this.isPressed &&= event.buttons !== 0; });
   }
 
   // ---- what the server says
@@ -200,6 +207,11 @@ class Page {
   showRecording(name) {
     byId("recording").hidden = name === null;
     if (name !== null) byId("recording").replaceChildren("recording: ", nameElement(name));
+  }
+
+  /// What is shown instead of an answer; the server answers about now, not about the past.
+  whyNotSent() {
+    return this.source.whyGone() || (this.timeline.closed ? "a recording is shown: no server answers about it" : "the past is shown, and the server answers about now: press live");
   }
 
   setPoses(frame) {
@@ -274,10 +286,12 @@ class Page {
     return [...first, ...this.labelOrder.filter((object) => object !== chosen && !object.isHidden && !this.world.hasState(object.slot, kFaint))];
   }
 
+  /// A click is lost if what was pressed is made anew before it is released, so the panels stand still meanwhile.
   showPanels() {
+    if (this.isPressed) return;
     const now = performance.now();
     this.events.show(this.timeline);
-    this.panels.showPublishers(now);
+    this.panels.showPublishers(this.timeline.isLive ? now : null);
     this.fenceList.show(this.fences);
     this.matrix.show(this.contacts, now);
     this.things.showRows();
@@ -295,6 +309,7 @@ class Page {
     if (now - (this.openedAt ?? -Infinity) < every_ms) return;
     this.openedAt = now;
     this.world.openShells();
+    this.world.levelMovers();
     if (byId("color").value === "age") this.colorObjects();
   }
 

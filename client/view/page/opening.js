@@ -2,7 +2,7 @@ const kMostFileBytes = 1 << 30;
 
 /// Opens recordings: files that are dropped on the page or chosen, and what the server itself remembers.
 class Opening {
-  /// on: {surroundings() (as for RecordedRun), ask(question) -> id or null, opened(run, name), say(text)}
+  /// on: {surroundings() (as for RecordedRun), ask(question) -> id or null, whyNotSent(), opened(run, name), say(text)}
   constructor(on) {
     this.on = on;
     window.addEventListener("dragover", (event) => {
@@ -30,7 +30,7 @@ class Opening {
   askMemory() {
     const seconds = 30;
     this.asked = this.on.ask({ ask: "memory", seconds });
-    this.on.say(this.asked === null ? "nobody answers: the page shows a recording, or the viewer is gone" : "asking the server for what it remembers");
+    this.on.say(this.asked === null ? this.on.whyNotSent() : "asking the server for what it remembers");
   }
   async hear({ id, path }) {
     if (id !== this.asked) return;

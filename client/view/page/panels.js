@@ -93,9 +93,9 @@ class Panels {
     fillTable(byId("kinds"), asked.map(({ kind, rate, p50, p99 }) => ({ name: kind, cells: [rateText(rate), durationText(p50), durationText(p99)] })));
   }
 
-  /// Lets the ages shown grow between two statuses.
+  /// Lets the ages shown grow between two statuses. now: null while an instant of the past is shown, where they stand still.
   showPublishers(now) {
-    const since = (now - this.publishersAt) / 1000;
+    const since = now === null ? 0 : (now - this.publishersAt) / 1000;
     const mostShown = 24;
     const rows = this.publishers.map(({ name, silent, lost }) => {
       const age = silent + since;

@@ -3,11 +3,21 @@ const kFrameBytes = 33;  // of an object in History
 const kMostHistoryBytes = 256e6;
 const kPoseKinds = ["began", "persisted", "ended", "contained", "emerged"];
 const kEndReasons = ["", "separated", "removed", "publisher_lost", "teleported", "geometry_changed", "server_stopping", "server_restarted", "decided", "crossed", "fence_removed", "allowed"];
+const kDoubts = ["", "numeric", "cost_limit", "publisher_lost"];
+const kWithin = 0xfffffffe;  // in place of a triangle: the object lies wholly within the other
+const kPublisherLost = 2;
+const kLostRemove = 0;
+const kLostFreeze = 1;
+const kEntersWithInstant = 128;  // in a lost policy
+const kReplyRefused = 1;
+const kReplyProgress = 2;
+const kQuestionCommand = 5;
 const kServerStates = ["starting", "recovering", "ready", "stopping"];
 
-/// Calls hear(type, topic, t, view) with each message: the name of its type without a module, seconds since 1970, its bytes.
-/// Returns what is wrong with the file, empty where nothing is. Throws where it is no MCAP file.
-function readMcap(buffer, hear) {
+/// Calls hear(type, topic, t, view) with each message: the name of its type without a module, seconds since 1970, its bytes;
+/// and note(name, entries) with metadata. Returns what is wrong with the file, empty where nothing is. Throws where it is no
+/// MCAP file.
+function readMcap(buffer, hear, note = () => {}) {
   const whole = new DataView(buffer);
   const magic = [0x89, 0x4d, 0x43, 0x41, 0x50, 0x30, 0x0d, 0x0a];
   if (buffer.byteLength < 8 || magic.some((byte, i) => whole.getUint8(i) !== byte)) throw new Error("this is no MCAP file");
@@ -27,6 +37,15 @@ function readMcap(buffer, hear) {
       if (compression) ++compressed;
       else records(new DataView(view.buffer, view.byteOffset + after + 8, wideNumber(view, after)));
     },
+    12: (view) => {
+      const [name, list] = text(view, 0);
+      const entries = {};
+      for (let at = list + 4; at < view.byteLength;) {
+        const [key, value] = text(view, at);
+        [entries[key], at] = text(view, value);
+      }
+      note(name, entries);
+    },
   };
   const records = (view) => {
     let at = 0;
@@ -43,6 +62,12 @@ function readMcap(buffer, hear) {
   return isWhole || buffer.byteLength < 17 ? "" : "the file breaks off";
 }
 
+// Offsets in a sample, behind five numbers, of the code of its question or answer and of its request number.
+const kCodeAt = 4 + 28;
+const requestOf = (view) => [4, 12].map((at) => view.getBigUint64(at, true).toString(16)).join(" ");
+const codeOf = (view) => (view.byteLength > kCodeAt ? view.getUint8(kCodeAt) : null);
+const isCommand = (type, view) => type === "Query" && codeOf(view) === kQuestionCommand;
+
 const jsonOf = (view) => JSON.parse(new TextDecoder().decode(view));
 
 /// A recording as the page would have heard it: entries for History, in seconds from its beginning.
@@ -56,7 +81,13 @@ class RecordedRun {
     this.entries = [];         // {t, kind, value}
     this.shards = new Map();
     this.broken = 0;
+    this.waiting = new Map();   // commands without an answer yet, by client and request
+    this.gone = new Set();      // names of surroundings that commands removed
+    this.attached = new Map();  // by the child's name: {parent, pose (in the parent's frame)}
+    this.lost = new Set();      // publishers
     const span = this.measure(buffer);
+    this.refused = span.refused;
+    this.openingLeft = span.opening;
     this.begin = span.begin;
     this.every_s = Math.max(1 / 60, ((span.end - span.begin) * span.movers * kFrameBytes) / kMostHistoryBytes);
     this.frameAt = this.tableAt = -Infinity;
@@ -67,18 +98,24 @@ class RecordedRun {
   }
 
   measure(buffer) {
-    const span = { begin: Infinity, end: -Infinity, movers: 0 };
-    readMcap(buffer, (type, _, t) => {
+    const span = { begin: Infinity, end: -Infinity, movers: 0, opening: 0, refused: new Set() };
+    readMcap(buffer, (type, _, t, view) => {
       span.begin = Math.min(span.begin, t);
       span.end = Math.max(span.end, t);
-      if (type === "Definition" || type === "Query") ++span.movers;
+      if (type === "Definition" || isCommand(type, view)) ++span.movers;
+      if (type === "Reply" && codeOf(view) === kReplyRefused) span.refused.add(requestOf(view));
+    }, (name, entries) => {
+      if (name === "recording") span.opening = Number(entries.opening_messages ?? 0);
     });
     if (!(span.end >= span.begin)) throw new Error("the recording has no messages");
     return span;
   }
 
   hear(type, topic, t, view) {
-    const hearing = { Definition: this.define, PoseBatch: this.pose, Query: this.command, EventFrame: this.happen, ContactShard: this.hold, Status: this.state, "collided.Fences": this.fence }[type];
+    this.isOpening = this.openingLeft-- > 0;
+    if (type === "Query" && !isCommand(type, view)) return;
+    if (type === "Reply" && (codeOf(view) === null || !this.waiting.has(requestOf(view)))) return;
+    const hearing = { Definition: this.define, PoseBatch: this.pose, Query: this.command, Reply: this.answer, EventFrame: this.happen, ContactShard: this.hold, Status: this.state, "collided.Fences": this.fence }[type];
     if (!hearing || (type === "Status" && /step|fence/.test(topic)) || (type === "EventFrame" && /persisted|fence/.test(topic)) || (type === "ContactShard" && /fence/.test(topic))) return;
     if (t - this.frameAt >= this.every_s) this.flush(t);
     try {
@@ -90,7 +127,7 @@ class RecordedRun {
 
   // ---- what is there
 
-  define({ publisher, object_number, publisher_name, name, removed, moving, layers, mask, group, position, orientation, shape }) {
+  define({ publisher, object_number, publisher_name, name, removed, moving, lost_policy, layers, mask, group, position, orientation, shape }) {
     const key = `${publisher} ${object_number}`;
     if (removed) this.objects.delete(key);
     else if (shape.length === 0) {
@@ -99,12 +136,13 @@ class RecordedRun {
       if (!claimed) return;
       this.objects.delete(claimed[0]);
       this.objects.set(key, { ...claimed[1], publisher: publisher_name });
-    } else this.add(key, { name, moving: Boolean(moving), layers, mask, group, publisher: publisher_name, pose: [...position, ...orientation] }, shape);
+    } else this.add(key, { name, moving: Boolean(moving), layers, mask, group, publisher: publisher_name, by: publisher, lostPolicy: lost_policy & ~kEntersWithInstant, pose: [...position, ...orientation] }, shape);
     this.isTableNew = true;
   }
 
-  add(key, object, bytes) {
-    const { parts, meshes } = readShape(bytes);
+  add(key, object, bytes, scale) {
+    const { parts, meshes } = readShape(bytes, scale);
+    this.gone.delete(object.name);
     const runs = meshes.map((surface) => {
       const number = `recorded ${this.surfaces.size}`;
       this.surfaces.set(number, surface);
@@ -123,20 +161,96 @@ class RecordedRun {
       const object = this.objects.get(`${publisher} ${number}`);
       if (!object) return;
       object.pose = [...positions.subarray(3 * i, 3 * i + 3), ...orientations.subarray(4 * i, 4 * i + 4)];
+      object.stale = false;
       this.arePosesNew = true;
     });
   }
 
-  command({ kind, text, blob }) {
-    const command = 5;
-    if (kind !== command) return;
-    const { command: what, name, pose, moving = true, layers = 1, mask = 0xffffffff, group = 0 } = JSON.parse(text);
-    const unturned = [0, 0, 0, 1, 0, 0, 0];
-    if (what === "add") this.add(name, { name, moving, layers, mask, group, publisher: "", pose: pose || unturned }, blob);
-    else if (what === "move" && this.objects.has(name)) this.objects.get(name).pose = pose;
-    else if (what !== "remove" || !this.objects.delete(name)) return;
-    this.isTableNew = this.isTableNew || what !== "move";
+  /// A command counts from its answer on, which says what it did; a refused one, and one without an answer, not at all. Those
+  /// of the opening, and those that a server gave itself, have no answers.
+  command({ client, request, text, blob }) {
+    const key = `${client} ${request}`;
+    const command = JSON.parse(text);
+    if (this.isOpening || client === "0") {
+      if (!this.refused.has(key)) this.carryOut(command, blob, {});
+    } else this.waiting.set(key, { command, blob, texts: [] });
+  }
+  answer({ client, request, chunk_index, chunk_count, status, text }) {
+    const key = `${client} ${request}`;
+    const asked = this.waiting.get(key);
+    if (status === kReplyProgress) return;
+    if (status === kReplyRefused) return this.waiting.delete(key);
+    asked.texts[chunk_index] = text;
+    if (Object.keys(asked.texts).length < chunk_count) return;
+    this.waiting.delete(key);
+    const decoder = new TextDecoder();
+    this.carryOut(asked.command, asked.blob, JSON.parse(asked.texts.map((part) => decoder.decode(part, { stream: true })).join("")));
+  }
+
+  carryOut(command, blob, answer) {
+    const { name } = command;
+    const carried = {
+      add: ({ pose = [0, 0, 0, 1, 0, 0, 0], moving = true, layers = 1, mask = 0xffffffff, group = 0, scale }) => this.add(name, { name, moving, layers, mask, group, publisher: "", pose }, blob, scale),
+      move: ({ pose }) => {
+        this.attached.delete(name);
+        Object.assign(this.objects.get(name) ?? this.recordedAs(name) ?? {}, { pose });
+      },
+      remove: () => this.remove(answer.removed ?? this.named(name)),
+      clear: ({ scene = "", moving = false }) => this.clear(scene, moving),
+      load: () => { for (const one of this.surroundings.objects) if (one.scene === answer.scene) this.gone.delete(one.name); },
+      attach: ({ child, parent, pose }) => this.attached.set(child, { parent, pose: answer.pose ?? pose }),
+      detach: ({ child }) => this.detach(child),
+    }[command.command];
+    if (!carried) return;
+    carried(command);
+    this.isTableNew = this.isTableNew || command.command !== "move";
     this.arePosesNew = true;
+  }
+
+  recordedAs(wanted) { return [...this.objects.values()].find(({ name }) => name === wanted); }
+  all() { return [...this.surroundings.objects, ...this.objects.values()]; }
+  /// The names that a removal is about: an object's own, or a glob.
+  named(glob) {
+    const names = this.all().map(({ name }) => name);
+    if (names.includes(glob) || !isGlob(glob)) return [glob];
+    const expression = new RegExp(globExpression(glob).source, "su");  // the server's globs tell upper from lower case
+    return names.filter((name) => expression.test(name));
+  }
+  remove(names) {
+    const removed = new Set(names);
+    for (const [child, { parent }] of this.attached) if (removed.has(child) || removed.has(parent)) this.detach(child);
+    for (const [key, { name }] of this.objects) if (removed.has(name)) this.objects.delete(key);
+    for (const name of names) this.gone.add(name);
+  }
+  /// Removes scenes, and what no living publisher has.
+  clear(scene, isMovingOnly) {
+    const areOthers = !scene || isMovingOnly;
+    const isGone = (one) => (one.scene ? (scene ? one.scene === scene : !isMovingOnly) : areOthers && (one.moving || !isMovingOnly) && (!one.by || this.lost.has(one.by)));
+    this.remove(this.all().filter(isGone).map(({ name }) => name));
+  }
+  detach(child) {
+    const object = this.recordedAs(child);
+    if (object) object.pose = this.poseOf(object);
+    this.attached.delete(child);
+  }
+  /// Where an object is: what is attached goes along with its parent.
+  poseOf(object, depth = 0) {
+    const { parent, pose } = this.attached.get(object.name) ?? {};
+    const carrier = pose && depth < 16 && this.all().find(({ name }) => name === parent);
+    if (!carrier) return object.pose;
+    const [x, y, z, ...turn] = this.poseOf(carrier, depth + 1);
+    return [...add([x, y, z], rotate(turn, pose.slice(0, 3))), ...multiplied(turn, pose.slice(3))];
+  }
+  /// Applies the lost policy to a publisher's objects: they leave, or stay where they were, stale or as if known.
+  lose(publisher) {
+    if (this.lost.has(publisher)) return;
+    this.lost.add(publisher);
+    for (const [key, object] of this.objects) {
+      if (object.by !== publisher) continue;
+      if (object.lostPolicy === kLostRemove) this.objects.delete(key);
+      else object.stale = object.lostPolicy === kLostFreeze;
+      this.isTableNew = this.arePosesNew = true;
+    }
   }
 
   // ---- what happened
@@ -146,7 +260,8 @@ class RecordedRun {
     const nameOf = namesOf(frame);
     const events = Array.from(frame.kinds, (kind, i) => {
       const what = kPoseKinds[kind];
-      const event = { what, ...this.pair(frame, i, nameOf), sequence: frame.first_sequence + i, episode: frame.episodes[i], time: frame.world_time_ns / 1e9 - (frame.bracket_highs[i] || 0) };
+      const isWithinNow = what !== "began" && what !== "emerged";  // of these the codes are about the event after, or the time before
+      const event = { what, ...this.pair(frame, i, nameOf, isWithinNow), sequence: frame.first_sequence + i, episode: frame.episodes[i], time: frame.world_time_ns / 1e9 - (frame.bracket_highs[i] || 0) };
       if (what === "ended") Object.assign(event, { why: kEndReasons[frame.reasons[i]] ?? "" });
       return event;
     });
@@ -165,18 +280,20 @@ class RecordedRun {
     this.entries.unshift({ t: 0, kind: "contacts", value: { contacts, left_out: 0 } });
     this.shards = null;
   }
-  pair(columns, i, nameOf) {
+  pair(columns, i, nameOf, isWithinNow = true) {
     const [a, b] = [nameOf.get(columns.a[i]) ?? "?", nameOf.get(columns.b[i]) ?? "?"];
     const vector = (of) => [...columns[of].subarray(3 * i, 3 * i + 3)];
     const told = columns.points.length > 3 * i ? { point: vector("points"), normal: vector("normals"), depth: columns.depths[i], error: columns.depth_errors[i] } : {};
-    return { a, b, a_slot: this.slotOf(a), b_slot: this.slotOf(b), ...told, ...(columns.doubts[i] ? { doubt: "numeric" } : {}) };
+    const contained = columns.a_triangles[i] === kWithin ? "a" : columns.b_triangles[i] === kWithin ? "b" : null;
+    return { a, b, a_slot: this.slotOf(a), b_slot: this.slotOf(b), ...told, ...(columns.doubts[i] ? { doubt: kDoubts[columns.doubts[i]] ?? "numeric" } : {}), ...(isWithinNow && contained ? { contained } : {}) };
   }
 
   state(status, t) {
+    status.publishers.forEach((publisher, i) => (status.publisher_states[i] === kPublisherLost ? this.lose(publisher) : this.lost.delete(publisher)));
     if (t - (this.statusAt ?? -Infinity) < 0.5) return;
     this.statusAt = t;
     const names = zeroTerminated(status.publisher_names);
-    const publishers = names.map((name, i) => ({ name, messages: status.applied_sequences[i], silent: status.silent_ns[i] / 1e9, lost: status.publisher_states[i] === 2 }));
+    const publishers = names.map((name, i) => ({ name, messages: status.applied_sequences[i], silent: status.silent_ns[i] / 1e9, lost: status.publisher_states[i] === kPublisherLost }));
     this.entries.push({ t, kind: "status", value: {
       type: "status", state: kServerStates[status.state] ?? "?", version_text: status.server_version, pid: status.pid, epoch: status.epoch, scenes: status.scenes.split("\n").filter(Boolean),
       objects: status.object_count, moving: status.moving_count, contacts: status.contact_count, contacts_truncated: Boolean(status.contacts_truncated), publishers,
@@ -197,18 +314,21 @@ class RecordedRun {
     const movers = [...this.objects.values()].filter(({ moving }) => moving);
     const origin = (movers[0]?.pose.slice(0, 3) ?? [0, 0, 0]).map(Math.round);
     const numbers = new Float32Array(7 * movers.length);
-    movers.forEach(({ pose }, i) => numbers.set([pose[0] - origin[0], pose[1] - origin[1], pose[2] - origin[2], ...pose.slice(3)], 7 * i));
+    movers.forEach((object, i) => {
+      const pose = this.poseOf(object);
+      numbers.set([pose[0] - origin[0], pose[1] - origin[1], pose[2] - origin[2], ...pose.slice(3)], 7 * i);
+    });
     const version = this.entries.length;
     this.entries.push({ t, kind: "poses", value: {
-      count: movers.length, worldTime: this.worldTime ?? this.begin + t, tableVersion: version, version, origin, numbers, slots: Uint32Array.from(movers, ({ slot }) => slot), stale: new Uint8Array(movers.length),
+      count: movers.length, worldTime: this.worldTime ?? this.begin + t, tableVersion: version, version, origin, numbers, slots: Uint32Array.from(movers, ({ slot }) => slot), stale: Uint8Array.from(movers, ({ stale }) => Number(stale)),
     } });
   }
   tellTable(t) {
     this.isTableNew = false;
     this.tableAt = t;
-    const recorded = [...this.objects.values()].map((object) => ({ ...object, pose: [...object.pose] }));
+    const recorded = [...this.objects.values()].map((object) => ({ ...object, pose: [...this.poseOf(object)] }));
     const names = new Set(recorded.map(({ name }) => name));
-    const around = this.surroundings.objects.filter(({ name }) => !names.has(name)).map((object) => ({ ...object, slot: this.slotOf(object.name) }));
+    const around = this.surroundings.objects.filter(({ name }) => !names.has(name) && !this.gone.has(name)).map((object) => ({ ...object, slot: this.slotOf(object.name) }));
     const version = this.entries.length;
     this.table = { epoch: 0, version, table_version: version, objects: [...around, ...recorded] };
     this.entries.push({ t, kind: "table", value: { table: this.table, surfaceOf: (number) => this.surfaces.get(number) ?? this.surroundings.surfaceOf(number) } });

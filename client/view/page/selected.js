@@ -112,7 +112,7 @@ class Selected {
 
   showContacts(object) {
     const contacts = this.contactsOf(object.name);
-    const text = `${object.name}\n${contacts.map(({ a, b, depth }) => `${a}\n${b}\n${depth}`).join("\n")}`;
+    const text = `${object.name}\n${object.moving}\n${contacts.map(({ a, b, depth }) => `${a}\n${b}\n${depth}`).join("\n")}`;
     if (text === this.contactsText) return;
     this.contactsText = text;
     const mostShown = 30;
@@ -123,6 +123,6 @@ class Selected {
       }, shortNameElement(other)));
     });
     if (contacts.length > mostShown) rows.push(element("li", {}, `and ${contacts.length - mostShown} more`));
-    byId("selected-contacts").replaceChildren(...(rows.length ? rows : [element("li", { class: "quiet" }, "touches nothing")]));
+    byId("selected-contacts").replaceChildren(...(rows.length ? rows : [element("li", { class: "quiet" }, object.moving ? "no contact" : "no contact with anything that moves")]));
   }
 }

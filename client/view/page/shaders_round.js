@@ -36,17 +36,18 @@ const kBallPointVertex = `#version 300 es
 precision highp float;
 ${kSolidInstance}${kStates}${kPointSize}
 flat out vec4 v_ball;  // middle from the eye, radius
-flat out float v_slot;
+flat out vec2 v_slot_farther;
 void main() {
   v_ball = vec4(i_position + u_anchor_from_eye, i_half.x);
-  v_slot = i_kind_slot.y;
-  gl_Position = placed_at(u_matrix * vec4(v_ball.xyz, 1.0), state_of(uint(v_slot)) & 255u, 0.0);
+  uint state = state_of(uint(i_kind_slot.y));
+  v_slot_farther = vec2(i_kind_slot.y, farther_of(state));
+  gl_Position = placed_at(u_matrix * vec4(v_ball.xyz, 1.0), state & 255u, 0.0);
   gl_PointSize = point_size(v_ball.xyz, gl_Position.w, v_ball.w);
 }`;
 
 const kBallPointFragment = `${kSeenOutput}${kRay}
 flat in vec4 v_ball;
-flat in float v_slot;
+flat in vec2 v_slot_farther;
 void main() {
   vec3 ray = ray_here();
   float whole = length(ray);
@@ -56,15 +57,15 @@ void main() {
   float reach = v_ball.w * v_ball.w - dot(beside, beside);
   if (reach < 0.0) discard;
   float h = sqrt(reach);
-  gl_FragDepth = depth_of((nearest - h) / whole);
-  write_seen(uint(v_slot), nearest - h, (-beside - h * d) / v_ball.w, -d, 1u);
+  gl_FragDepth = depth_of((nearest - h) / whole * v_slot_farther.y);
+  write_seen(uint(v_slot_farther.x), nearest - h, (-beside - h * d) / v_ball.w, -d, 1u);
 }`;
 
 const kRoundVaryings = (way) => `
 flat ${way} vec3 v_eye;
 flat ${way} vec3 v_half;
 flat ${way} vec4 v_turn;
-flat ${way} vec2 v_kind_slot;
+flat ${way} vec3 v_kind_slot_farther;
 `;
 
 const kRoundTold = `${kRoundVaryings("out")}
@@ -72,7 +73,7 @@ void tell_fragments(vec3 center) {
   v_eye = turned_back(i_turn, -center);
   v_half = i_half;
   v_turn = i_turn;
-  v_kind_slot = i_kind_slot;
+  v_kind_slot_farther = vec3(i_kind_slot, farther_of(state_of(uint(i_kind_slot.y))));
 }
 `;
 
@@ -101,8 +102,8 @@ void main() {
   int axis = range == enter.x ? 0 : range == enter.y ? 1 : 2;
   vec3 normal = vec3(0.0);
   normal[axis] = d[axis] > 0.0 ? -1.0 : 1.0;
-  gl_FragDepth = depth_of(range / whole);
-  write_seen(uint(v_kind_slot.y), range, turned(v_turn, normal), -ray / whole, uint(2 * axis + (d[axis] > 0.0 ? 1 : 2)));
+  gl_FragDepth = depth_of(range / whole * v_kind_slot_farther.z);
+  write_seen(uint(v_kind_slot_farther.y), range, turned(v_turn, normal), -ray / whole, uint(2 * axis + (d[axis] > 0.0 ? 1 : 2)));
 }`;
 
 const kRoundBoxVertex = `#version 300 es
@@ -192,7 +193,7 @@ void main() {
   // From the place nearest to the middle, where numbers are small.
   float shift = -dot(v_eye, d);
   vec3 o = v_eye + shift * d;
-  int kind = int(v_kind_slot.x);
+  int kind = int(v_kind_slot_farther.x);
   float t = kNone;
   if (kind == 0) {
     t = ball(o, d, v_half.x, -shift);
@@ -208,6 +209,6 @@ void main() {
   }
   if (t >= kNone) discard;
   float range = t + shift;
-  gl_FragDepth = depth_of(range / whole);
-  write_seen(uint(v_kind_slot.y), range, turned(v_turn, g_normal), -turned(v_turn, d), g_side + uint(kind) * 8u);
+  gl_FragDepth = depth_of(range / whole * v_kind_slot_farther.z);
+  write_seen(uint(v_kind_slot_farther.y), range, turned(v_turn, g_normal), -turned(v_turn, d), g_side + uint(kind) * 8u);
 }`;

@@ -10,11 +10,13 @@ uniform highp usampler2D u_states;
 uint state_of(uint slot) { return texelFetch(u_states, ivec2(slot % 1024u, slot / 1024u), 0).r; }
 // What encloses others is open towards the eye: 1: its outer sides are not drawn; 2: the same, with its triangles inside out.
 float opening_of(uint state) { return float(state >> 12 & 3u); }
-// Hidden objects are moved out of the picture. Of coinciding faces that of the smaller object is nearer: the larger one is
-// drawn farther along the same rays, by more than corners are rounded to parts of pixels (1/16 where no graphics card draws).
+// The lower level of two coinciding faces is nearer (levels.js): the other one is drawn farther along the same rays, by
+// more than corners are rounded to parts of pixels (1/16 where no graphics card draws).
+float farther_of(uint state) { return 1.0 + float(state >> 8 & 15u) * 5e-4; }
+// Hidden objects are moved out of the picture.
 vec4 placed_at(vec4 at, uint state, float shift) {
   if ((state & 32u) != 0u) return vec4(2.0, 2.0, 2.0, 1.0);
-  float farther = 1.0 + float(state >> 8 & 15u) * 5e-4;
+  float farther = farther_of(state);
   return vec4(at.xy * farther, (at.z - shift) * farther + shift, at.w * farther);
 }
 `;

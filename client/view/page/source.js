@@ -7,7 +7,7 @@ function readSurface(bytes) {
   const origin = [8, 16, 24].map((at) => view.getFloat64(at, true));
   const positions = new Float32Array(bytes, 32, 3 * vertices);
   const corners = new Uint32Array(bytes, 32 + 12 * vertices, 3 * triangles);
-  return measuredSurface(origin, positions, corners);
+  return newSurface(origin, positions, corners);
 }
 
 /// A surface of vertices and their numbers, as it came with a recording.
@@ -18,18 +18,30 @@ function surfaceOfMesh(vertices, corners) {
   const origin = bounds.center().map(Math.round);
   const positions = new Float32Array(3 * vertices.length);
   vertices.forEach((vertex, i) => positions.set(subtract(vertex, origin), 3 * i));
-  return measuredSurface(origin, positions, corners);
+  return newSurface(origin, positions, corners);
 }
 
-function measuredSurface(origin, positions, corners) {
-  const low = [Infinity, Infinity, Infinity];
-  const high = [-Infinity, -Infinity, -Infinity];
-  for (let i = 0; i < positions.length; ++i) {
-    const axis = i % 3;
-    if (positions[i] < low[axis]) low[axis] = positions[i];
-    if (positions[i] > high[axis]) high[axis] = positions[i];
+/// boundsOf: bounds of runs, by "first count"; most surfaces hold many objects.
+function newSurface(origin, positions, corners) { return { origin, positions, corners, boundsOf: new Map() }; }
+
+/// The bounds of some triangles of a surface, in the frame of its objects.
+function boundsOfRun(surface, first, count) {
+  const key = `${first} ${count}`;
+  if (!surface.boundsOf.has(key)) {
+    const { origin, positions, corners } = surface;
+    const own = new Bounds();
+    for (let i = 3 * first; i < 3 * (first + count); ++i) {
+      for (let axis = 0; axis < 3; ++axis) {
+        const value = positions[3 * corners[i] + axis];
+        if (value < own.low[axis]) own.low[axis] = value;
+        if (value > own.high[axis]) own.high[axis] = value;
+      }
+    }
+    own.low = add(own.low, origin);
+    own.high = add(own.high, origin);
+    surface.boundsOf.set(key, own);
   }
-  return { origin, positions, corners, low, high, radius: Math.hypot(...high.map((part, axis) => Math.max(Math.abs(part), Math.abs(low[axis])))) };
+  return surface.boundsOf.get(key);
 }
 
 function readPoses(bytes) {
@@ -86,7 +98,6 @@ class LiveSource {
       return reply.ok ? reply.arrayBuffer() : null;
     });
     this.pause = 250;
-    this.heard = performance.now();
     this.connect();
     setInterval(() => this.lookForSilence(), 1000);
   }
@@ -98,7 +109,7 @@ class LiveSource {
     this.socket = socket;
     socket.onopen = () => {
       this.pause = 250;
-      this.heard = performance.now();
+      this.silentLooks = 0;
       this.tell("connected", true);
     };
     socket.onmessage = (message) => this.hear(message.data);
@@ -110,9 +121,10 @@ class LiveSource {
     };
   }
 
-  /// The viewer sends something twice a second; a connection that brings nothing is closed.
+  /// The viewer sends something twice a second; a connection that brings nothing for five looks, one a second, is closed. The
+  /// clock would not do: a page that was busy for as long has what came meanwhile still before it.
   lookForSilence() {
-    if (this.socket.readyState !== WebSocket.OPEN || performance.now() - this.heard < 5000) return;
+    if (this.socket.readyState !== WebSocket.OPEN || ++this.silentLooks < 5) return;
     const silent = this.socket;
     silent.close();
     silent.onclose();
@@ -120,7 +132,7 @@ class LiveSource {
   }
 
   hear(data) {
-    this.heard = performance.now();
+    this.silentLooks = 0;
     if (typeof data !== "string") {
       this.tell("poses", readPoses(data));
       return;
@@ -153,6 +165,8 @@ class LiveSource {
     }
   }
 
+  /// Why questions cannot be sent; empty where they can.
+  whyGone() { return this.socket.readyState === WebSocket.OPEN ? "" : "the viewer is gone: the server was not asked"; }
   /// Returns whether it was sent.
   ask(question) {
     if (this.socket.readyState !== WebSocket.OPEN) return false;
@@ -189,6 +203,7 @@ class SavedSource {
     }
   }
 
+  whyGone() { return "this page is a saved run: it has no server to ask"; }
   ask() { return false; }
 }
 

@@ -99,9 +99,10 @@ function setText(node, text) {
 const penOf = (canvas) => canvas.getContext("2d", { willReadFrequently: true });
 const byId = (id) => document.getElementById(id);
 
+const isGlob = (text) => /[*?[]/.test(text);
 /// A name glob (* ? [..]) as a regular expression, case-insensitive; a text without these signs is looked for anywhere.
 function globExpression(glob) {
-  if (!/[*?[]/.test(glob)) return new RegExp(glob.replace(/[.+^${}()|\\\]]/g, "\\$&"), "iu");
+  if (!isGlob(glob)) return new RegExp(glob.replace(/[.+^${}()|\\\]]/g, "\\$&"), "iu");
   let text = "";
   for (let at = 0; at < glob.length; ++at) {
     const sign = glob[at];

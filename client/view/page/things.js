@@ -15,8 +15,6 @@ class Things {
     this.list.append(this.body);
     this.list.addEventListener("scroll", () => this.showRows());
     this.list.addEventListener("keydown", (event) => this.press(event));
-    this.list.addEventListener("focus", () => this.showRows());
-    this.list.addEventListener("blur", () => this.showRows());
     new ResizeObserver(() => this.showRows()).observe(this.list);
     this.coarse = matchMedia("(pointer: coarse)");
     byId("search").addEventListener("input", () => this.build());
@@ -68,9 +66,8 @@ class Things {
     const height = this.rowHeight();
     const first = Math.max(0, Math.floor(this.list.scrollTop / height) - 2);
     const last = Math.min(this.rows.length, first + Math.ceil(this.list.clientHeight / height) + 5);
-    const isFocused = document.activeElement === this.list;
     const items = [];
-    for (let i = first; i < last; ++i) items.push([this.rowKey(i, height, isFocused), () => this.row(i, height)]);
+    for (let i = first; i < last; ++i) items.push([this.rowKey(i, height), () => this.row(i, height)]);
     keepChildren(this.body, items);
     const isNear = this.cursor >= first && this.cursor < last;
     if (isNear) this.list.setAttribute("aria-activedescendant", `thing-${this.cursor}`);
@@ -78,9 +75,9 @@ class Things {
   }
 
   /// Changes with what a row shows.
-  rowKey(i, height, isFocused) {
+  rowKey(i, height) {
     const { group, object, part } = this.rows[i];
-    const cursor = isFocused && i === this.cursor;
+    const cursor = i === this.cursor;
     if (part) return `${i} ${height} ${cursor} ${object.name} ${part}`;
     if (!object) return `${i} ${height} ${cursor} ${group.key} ${this.folded.has(group.key)} ${group.objects.length} ${group.objects.every((one) => one.isHidden)}`;
     const shown = this.world.states[object.slot] & (kInContact | kInDoubt | kStale | kHidden);
@@ -96,7 +93,7 @@ class Things {
       onclick: (event) => { event.stopPropagation(); this.hide(object ? [object] : group.objects, !isHidden); },
     }, isHidden ? "○" : "●");
     const row = element("div", {
-      role: "treeitem", id: `thing-${i}`, class: `${object ? "object" : "group"}${isHidden ? " hidden" : ""}${i === this.cursor && document.activeElement === this.list ? " cursor" : ""}`,
+      role: "treeitem", id: `thing-${i}`, class: `${object ? "object" : "group"}${isHidden ? " hidden" : ""}${i === this.cursor ? " cursor" : ""}`,
       "aria-level": object ? 2 : 1, "aria-selected": Boolean(object && object.slot === this.chosen), onclick: () => this.open(i),
       ondblclick: () => { if (object) this.on.frame(object); },
     });
@@ -119,8 +116,7 @@ class Things {
   }
 
   partRow(i, height, part) {
-    const isCursor = i === this.cursor && document.activeElement === this.list;
-    const row = element("div", { role: "treeitem", id: `thing-${i}`, class: `part${isCursor ? " cursor" : ""}`, "aria-level": 3, onclick: () => this.open(i) }, element("span", { class: "name", title: part }, part));
+    const row = element("div", { role: "treeitem", id: `thing-${i}`, class: `part${i === this.cursor ? " cursor" : ""}`, "aria-level": 3, onclick: () => this.open(i) }, element("span", { class: "name", title: part }, part));
     this.place(row, i, height);
     return row;
   }

@@ -12,8 +12,7 @@ class Timeline {
     this.show = show;
     this.isSaved = isSaved;
     this.history = isSaved ? new History(Infinity, Infinity) : new History(kRemembered_s, kMostRemembered);
-    this.isLive = !isSaved;
-    this.isPlaying = true;
+    this.isLive = this.isPlaying = !isSaved;  // a saved run plays once it is unpacked
     this.speed = 1;
     this.at = 0;
     this.shownTable = null;
@@ -32,7 +31,7 @@ class Timeline {
     if (isKept) history.add(t, kind, value);
     // While a recording is open, slots and names mean its objects, not the server's.
     if (this.closed && !["hello", "connected"].includes(kind) && value.ask !== "memory") return;
-    if (!this.isLive && isKept) return;
+    if (!this.isLive && (isKept || kind === "silent")) return;
     if (kind === "table") this.shownTable = value;
     if (kind === "fences") this.shownFences = value;
     if (kind === "contacts") this.show.contacts(this.history.contactsAt(t));
@@ -83,6 +82,7 @@ class Timeline {
     this.history.end = end;
     this.isSaved = this.isPlaying = true;
     this.isLive = false;
+    this.at = Infinity;  // the contacts shown are not those of this history
     byId("live").hidden = this.closed.isSaved;
     this.goTo(this.begin());
   }
@@ -96,8 +96,8 @@ class Timeline {
 
   /// Shows an instant, and stays there unless it plays.
   goTo(t) {
+    const before = this.isLive ? Infinity : this.at;  // while it is live, `at` is where it was paused last
     this.isLive = false;
-    const before = this.at;
     this.at = Math.max(this.begin(), Math.min(this.end(), t));
     this.showAll(this.at, before);
     this.update();

@@ -8,9 +8,9 @@ const kHidden = 32;
 const kInDoubt = 64;
 const kFaint = 128;
 const kLevelShift = 8;
+const kLevelBits = 15 << kLevelShift;
 const kOpen = 1 << 12;
 const kOpenInsideOut = 1 << 13;
-const kMostLevels = 15;
 const kPlacedFloats = 8;
 
 /// The server's objects, as what the renderer draws. Without a renderer it only keeps the objects.
@@ -66,7 +66,10 @@ class World {
     this.measure(table, surfaceOf);
     for (const object of table.objects)
       this.states[object.slot] = (object.moving ? kMoves : 0) | (object.stale ? kStale : 0) | (object.isHidden ? kHidden : 0);
-    for (const [slot, level] of levels(table.objects)) this.states[slot] |= level << kLevelShift;
+    this.stillLevels = levels(table.objects);
+    this.stillRound = table.objects.filter(({ moving }) => !moving).flatMap(roundSurfaces);
+    for (const [slot, level] of this.stillLevels) this.states[slot] |= level << kLevelShift;
+    this.levelMovers();
     if (!this.renderer) return;
     this.renderer.setStates(this.states);
     this.renderer.setTints(this.tints);
@@ -81,11 +84,12 @@ class World {
     this.bounds = new Bounds();
     for (const object of table.objects) {
       const own = new Bounds();
-      for (const [number] of object.runs) {
+      for (const [number, first, count] of object.runs) {
         const surface = surfaceOf(number);
         if (!surface) continue;
-        own.extend(add(surface.origin, surface.low));
-        own.extend(add(surface.origin, surface.high));
+        const run = boundsOfRun(surface, first, count);
+        own.extend(run.low);
+        own.extend(run.high);
       }
       for (const part of object.parts) {
         const solid = solidOf(part, object);
@@ -207,9 +211,17 @@ class World {
     }
   }
 
+  /// Gives different levels to what moves and coincides with something, as the parts of an arm do at its joints.
+  levelMovers() {
+    const levelOf = roundLevels(this.movers.flatMap(roundSurfaces), this.stillLevels, this.stillRound);
+    for (const { slot } of this.movers) this.changeState(slot, (this.states[slot] & ~kLevelBits) | ((levelOf.get(slot) ?? 0) << kLevelShift));
+  }
+
   setState(slot, bit, on) {
     if (slot === null || slot === undefined || slot >= this.states.length) return;
-    const state = on ? this.states[slot] | bit : this.states[slot] & ~bit;
+    this.changeState(slot, on ? this.states[slot] | bit : this.states[slot] & ~bit, bit);
+  }
+  changeState(slot, state, bit = 0) {
     if (state === this.states[slot]) return;
     this.states[slot] = state;
     this.statesChanged = true;
@@ -294,29 +306,6 @@ function placedBounds(object) {
   const placed = new Bounds();
   for (const corner of object.own.corners()) placed.extend(add(object.position, rotate(object.turn, corner)));
   return placed;
-}
-
-/// Levels for objects that do not move: where faces of two may coincide, the larger one has the higher level, so that always
-/// the same one is seen. Pairs [slot, level].
-function levels(objects) {
-  const still = objects.filter(({ moving, own, parts }) => !moving && (!own.isEmpty() || parts.length > 0))
-    .map((object) => ({ object, bounds: placedBounds(object), size: object.own.isEmpty() ? Infinity : object.own.radius(), level: 0 }))
-    .sort((a, b) => a.size - b.size);
-  const mostCompared = 1500;
-  const most = Math.max(0, still.length - mostCompared);  // of the smallest: nobody sees what they do
-  for (let i = most; i < still.length; ++i) {
-    const one = still[i];
-    for (let j = most; j < i; ++j) if (still[j].level >= one.level && mayCoincide(one.bounds, still[j].bounds)) one.level = Math.min(kMostLevels, still[j].level + 1);
-  }
-  const deepest = still.reduce((level, one) => Math.max(level, one.level), 0);
-  return still.map(({ object, level, size }) => [object.slot, size === Infinity ? Math.min(kMostLevels, deepest + 1) : level]);
-}
-
-/// Whether two boxes meet, and have a side in the same plane that looks the same way.
-function mayCoincide(a, b) {
-  const near = (x, y) => Math.abs(x - y) <= 1e-4;
-  return [0, 1, 2].every((axis) => a.low[axis] <= b.high[axis] + 1e-4 && b.low[axis] <= a.high[axis] + 1e-4) &&
-    [0, 1, 2].some((axis) => near(a.low[axis], b.low[axis]) || near(a.high[axis], b.high[axis]));
 }
 
 /// The vertices of runs, copied where runs of several objects share them, so that each vertex belongs to one object.

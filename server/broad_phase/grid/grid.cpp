@@ -18,6 +18,7 @@ constexpr std::size_t kRebuildShare = 16;
 /// The boxes of the last rebuild, and over them those that changed since. A box of the second kind is hidden in the
 /// first.
 struct Grid::Storage {
+  Use use = Use::questions;
   std::shared_ptr<grid::Levels> base = std::make_shared<grid::Levels>();  // others may read it: written while unshared
   std::vector<std::uint64_t> is_newer;                                    // by number: a bit each; none without newer
   std::vector<std::uint32_t> newer;
@@ -39,7 +40,7 @@ struct Grid::Storage {
   }
 };
 
-Grid::Grid() : storage_(std::make_unique<Storage>()) {}
+Grid::Grid(Use use) : storage_(std::make_unique<Storage>()) { storage_->use = use; }
 Grid::~Grid() = default;
 Grid::Grid(Grid&&) noexcept = default;
 Grid& Grid::operator=(Grid&&) noexcept = default;
@@ -51,7 +52,7 @@ void Grid::rebuild(std::span<const Aabb> boxes) {
   s.hidden_count = 0;
   s.box_count = boxes.size();
   if (s.base.use_count() > 1) s.base = std::make_shared<grid::Levels>();
-  s.base->rebuild(boxes, *s.scratch);
+  s.base->rebuild(boxes, s.use == Use::questions, *s.scratch);
 }
 
 void Grid::update(const Grid& before, std::span<const Aabb> boxes, std::span<const std::uint32_t> changed) {
@@ -71,7 +72,7 @@ void Grid::update(const Grid& before, std::span<const Aabb> boxes, std::span<con
   if (s.newer.size() > most) return rebuild(boxes);
   s.newer_boxes.clear();
   for (const std::uint32_t number : s.newer) s.newer_boxes.push_back(boxes[number]);
-  s.over.rebuild(s.newer_boxes, *s.scratch);
+  s.over.rebuild(s.newer_boxes, s.use == Use::questions, *s.scratch);
 }
 
 std::size_t Grid::size() const {

@@ -10,13 +10,16 @@
 
 namespace collided::engine {
 
-/// Multi-level hashed grid over bounding boxes: a box goes to the level of its size, so one giant among dust costs
-/// nothing. Few boxes are swept along one axis instead (sweep_and_prune.hpp). Coordinates are unbounded. Generous,
-/// never misses; offers each box at most once per walk.
+/// The boxes of all that moves. A multi-level hashed grid finds their pairs: a box goes to the level of its size, so one
+/// giant among dust costs nothing; few boxes are swept along one axis instead (sweep_and_prune.hpp). Rays and what is
+/// near a point are found by a tree (box_tree.hpp). Coordinates are unbounded. Generous, never misses; offers each box
+/// at most once per walk.
 /// threads  one rebuilds; while none does, any number may walk
 class Grid {
  public:
-  Grid();
+  /// What it is asked for. Without questions it has no tree, and tests every box where it is asked one all the same.
+  enum class Use { pairs, questions };
+  explicit Grid(Use use = Use::questions);
   ~Grid();
   Grid(Grid&&) noexcept;
   Grid& operator=(Grid&&) noexcept;

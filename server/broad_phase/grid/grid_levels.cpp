@@ -19,6 +19,9 @@ constexpr double kLeastCellOfReach = 0x1p-40;
 /// Up to this many boxes of a size are cheaper to test every time than to look up.
 constexpr std::uint32_t kFewBoxes = 16;
 
+/// Up to this many boxes a ray tests one by one in less time than a node of the tree takes it.
+constexpr std::uint32_t kFewForTree = 3;
+
 /// Cells are at least this share as wide as long: narrower ones would give a query many rows to look up.
 constexpr double kLeastCellAspect = 0x1p-6;
 
@@ -280,8 +283,18 @@ bool Levels::holds(std::uint32_t number) const {
   return number < exponent_of_box_.size() && exponent_of_box_[number] != kEmpty;
 }
 
-void Levels::rebuild(std::span<const Aabb> boxes, RebuildScratch& scratch) {
-  if (are_few(boxes)) return rebuild_few(boxes, scratch);
+void Levels::rebuild(std::span<const Aabb> boxes, bool for_rays, RebuildScratch& scratch) {
+  if (are_few(boxes)) rebuild_few(boxes, scratch);
+  else rebuild_many(boxes, scratch);
+  if (!for_rays || entry_count <= kFewForTree) {
+    tree.reset();
+    return;
+  }
+  if (!tree) tree.emplace();
+  tree->rebuild(boxes);
+}
+
+void Levels::rebuild_many(std::span<const Aabb> boxes, RebuildScratch& scratch) {
   few.clear();
   choose_levels(boxes, scratch);
   const std::uint32_t place_count = lay_out();
@@ -315,7 +328,7 @@ std::size_t RebuildScratch::bytes() const {
 }
 
 std::size_t Levels::bytes() const {
-  std::size_t bytes = few.bytes() + blocks.bytes() + keys.bytes() + numbers.bytes() +
+  std::size_t bytes = (tree ? tree->bytes() : 0) + few.bytes() + blocks.bytes() + keys.bytes() + numbers.bytes() +
                       directory.capacity() * sizeof(directory[0]) +
                       exponent_of_box_.capacity() * sizeof(exponent_of_box_[0]);
   for (const GridLevel& level : levels) {

@@ -2,12 +2,14 @@
 
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "server/broad_phase/box_block.hpp"
 #include "server/broad_phase/grid/grid_key.hpp"
 #include "server/broad_phase/grid/grid_sort.hpp"
+#include "server/broad_phase/hierarchy/box_tree.hpp"
 #include "server/broad_phase/hierarchy/bvh_layout.hpp"
 #include "server/broad_phase/sweep_and_prune/sweep_and_prune.hpp"
 #include "server/geometry/aabb.hpp"
@@ -101,6 +103,7 @@ struct Levels {
   std::uint32_t loose_end = 0;
   SweepAndPrune few;                       // where there are at most kSweptBoxes, all loose; else empty
   std::vector<std::uint32_t> few_numbers;  // numbers of its boxes, ascending
+  std::optional<BoxTree> tree;  // over all boxes, for rays and what is near; none for so few that each is tested
 
   Entry entry(std::uint32_t place) const { return {&blocks[place / kBlock], place % kBlock, numbers[place]}; }
   /// The level's first place with at least this key; its end if there is none.
@@ -120,7 +123,8 @@ struct Levels {
     return low;
   }
 
-  void rebuild(std::span<const Aabb> boxes, RebuildScratch& scratch);
+  /// for_rays: with a tree.
+  void rebuild(std::span<const Aabb> boxes, bool for_rays, RebuildScratch& scratch);
   /// Whether the last rebuild had a box of this number that was not empty.
   bool holds(std::uint32_t number) const;
   std::size_t bytes() const;
@@ -128,6 +132,7 @@ struct Levels {
  private:
   bool are_few(std::span<const Aabb> boxes);
   void rebuild_few(std::span<const Aabb> boxes, RebuildScratch& scratch);
+  void rebuild_many(std::span<const Aabb> boxes, RebuildScratch& scratch);
   void choose_levels(std::span<const Aabb> boxes, RebuildScratch& scratch);
   std::uint32_t lay_out();
   void share_out(std::span<const Aabb> boxes, RebuildScratch& scratch);

@@ -107,35 +107,13 @@ void Bvh::walk_rays(std::span<RayTask> tasks, const TriangleMesh& mesh, RayGoal 
 void Bvh::walk_box(const Aabb& asked, BoxCandidate candidate, WalkCost& cost) const {
   const bvh::Layout& layout = storage_->layout;
   if (layout.root == bvh::kNothing || asked.empty()) return;
-  // Clamped to just beyond the scene, and finite, so that missing children are never reached.
-  constexpr double kBeyond = 4;
-  const Vec3 low = layout.frame.to_local(asked.low).cwiseMax(-kBeyond);
-  const Vec3 high = layout.frame.to_local(asked.high).cwiseMin(kBeyond);
-  bvh::LocalBox box;
-  for (int axis = 0; axis < 3; ++axis) {
-    // Two roundings in double, which the stored vertices did not have.
-    box.low[axis] = bvh::round_down(low[axis] - 0x1p-50);
-    box.high[axis] = bvh::round_up(high[axis] + 0x1p-50);
-  }
-  bvh::walk_box(layout, box, candidate, cost);
+  bvh::walk_box(layout, bvh::local_box(layout.frame, asked), candidate, cost);
 }
 
 void Bvh::walk_near(const Vec3& point, double limit_m2, double slack_m, NearCandidate candidate, WalkCost& cost) const {
   const bvh::Layout& layout = storage_->layout;
   if (layout.root == bvh::kNothing || !(limit_m2 >= 0)) return;
-  // Farther out, squares of floats overflow; a point moved nearer along an axis only makes the walk more generous.
-  constexpr double kFarthest = 0x1p60;
-  const Vec3 local = layout.frame.to_local(point);
-  bvh::LocalPoint ends;
-  ends.limit_scale = layout.frame.scale;
-  for (int axis = 0; axis < 3; ++axis) {
-    const double center = std::clamp(local[axis], -kFarthest, kFarthest);
-    const double slack = std::min(slack_m * layout.frame.scale * (1 + kFewSlack), kFarthest);
-    const double around = slack + 0x1p-50 * std::abs(center) + 0x1p-60;
-    ends.low[axis] = bvh::round_down(center - around);
-    ends.high[axis] = bvh::round_up(center + around);
-  }
-  bvh::walk_near(layout, ends, limit_m2, candidate, cost);
+  bvh::walk_near(layout, bvh::local_point(layout.frame, point, slack_m), limit_m2, candidate, cost);
 }
 
 void Bvh::walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& position, double slack_m,

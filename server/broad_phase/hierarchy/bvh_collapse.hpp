@@ -6,16 +6,10 @@
 #include <vector>
 
 #include "server/broad_phase/hierarchy/bvh_layout.hpp"
+#include "server/broad_phase/hierarchy/bvh_node.hpp"
 #include "server/broad_phase/hierarchy/bvh_split.hpp"
 
 namespace collided::engine::bvh {
-
-/// A cut that made children of a node: child `left` was cut along an axis, and its upper part became `right`.
-struct Cut {
-  int left;
-  int right;
-  int axis;
-};
 
 /// Cuts a small range in two down to its leaves, and chooses, among all ways to merge these cuts into wide nodes, the
 /// one whose nodes a ray is expected to visit least: each node weighs as much as the surface of its box.

@@ -54,12 +54,22 @@ HWY_INLINE unsigned overlapping(const Boxes& boxes, const LocalBox& asked) {
   return bits_of(all);
 }
 
-void WalkBox(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate candidate, WalkCost& cost) {
+/// kBoxes: a leaf is one box, which was met as a child of its node.
+template <bool kBoxes>
+HWY_INLINE void walk_overlapping(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate candidate,
+                                 WalkCost& cost) {
   Ref stack[kStackSize];
   int size = 0;
   stack[size++] = layout.root;
   while (size > 0) {
     const Ref ref = stack[--size];
+    if constexpr (kBoxes) {
+      if (is_leaf(ref)) {
+        ++cost.candidates;
+        if (!candidate(ref & kIndexMask)) return;
+        continue;
+      }
+    }
     ++cost.nodes;
     unsigned mask = 0;
     if (is_leaf(ref)) {
@@ -79,6 +89,14 @@ void WalkBox(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate cand
     }
     for (; mask != 0; mask &= mask - 1) stack[size++] = node.child[__builtin_ctz(mask)];
   }
+}
+
+void WalkBox(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate candidate, WalkCost& cost) {
+  walk_overlapping<false>(layout, asked, candidate, cost);
+}
+
+void WalkBoxBoxes(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate candidate, WalkCost& cost) {
+  walk_overlapping<true>(layout, asked, candidate, cost);
 }
 
 /// Boxes within the limit of the point. Squared distances are rounded down, except for the relative 2^-22 that
@@ -291,6 +309,34 @@ void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, Bv
   }
 }
 
+/// Offers the boxes themselves, each a child of a node.
+void WalkNearBoxes(const Layout& layout, const LocalPoint& point, double limit_m2, Bvh::NearCandidate candidate,
+                   WalkCost& cost) {
+  Waiting stack[kStackSize];
+  HWY_ALIGN float distance[kWidth];
+  int size = 0;
+  float limit = point.local_limit(limit_m2);
+  stack[size++] = {layout.root, 0};
+  while (size > 0) {
+    const Waiting top = stack[--size];
+    if (top.entry > limit) continue;
+    if (is_leaf(top.ref)) {
+      ++cost.candidates;
+      limit_m2 = candidate(top.ref & kIndexMask, limit_m2);
+      if (!(limit_m2 >= 0)) return;
+      limit = point.local_limit(limit_m2);
+      continue;
+    }
+    ++cost.nodes;
+    const Node& node = layout.nodes[top.ref];
+    unsigned mask = 0;
+    for (int first = 0; first < kWidth; first += kLanes) {
+      mask |= within(child_boxes(node, first), point, limit, distance + first) << first;
+    }
+    size = push_sorted(node, mask, distance, stack, size);
+  }
+}
+
 }  // namespace collided::engine::bvh::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -299,6 +345,8 @@ namespace collided::engine::bvh {
 
 HWY_EXPORT(WalkBox);
 HWY_EXPORT(WalkNear);
+HWY_EXPORT(WalkNearBoxes);
+HWY_EXPORT(WalkBoxBoxes);
 
 float LocalPoint::local_limit(double limit_m2) const {
   if (!(limit_m2 >= 0)) return -1;
@@ -314,6 +362,45 @@ void walk_box(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate can
 void walk_near(const Layout& layout, const LocalPoint& point, double limit_m2, Bvh::NearCandidate candidate,
                WalkCost& cost) {
   HWY_DYNAMIC_DISPATCH(WalkNear)(layout, point, limit_m2, candidate, cost);
+}
+
+void walk_near_boxes(const Layout& layout, const LocalPoint& point, double limit_m2, Bvh::NearCandidate candidate,
+                     WalkCost& cost) {
+  HWY_DYNAMIC_DISPATCH(WalkNearBoxes)(layout, point, limit_m2, candidate, cost);
+}
+
+void walk_box_boxes(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate candidate, WalkCost& cost) {
+  HWY_DYNAMIC_DISPATCH(WalkBoxBoxes)(layout, asked, candidate, cost);
+}
+
+LocalBox local_box(const LocalFrame& frame, const Aabb& asked) {
+  // Clamped to just beyond the scene, and finite, so that missing children are never reached.
+  constexpr double kBeyond = 4;
+  const Vec3 low = frame.to_local(asked.low).cwiseMax(-kBeyond);
+  const Vec3 high = frame.to_local(asked.high).cwiseMin(kBeyond);
+  LocalBox box;
+  for (int axis = 0; axis < 3; ++axis) {
+    // Two roundings in double, which the stored vertices did not have.
+    box.low[axis] = round_down(low[axis] - 0x1p-50);
+    box.high[axis] = round_up(high[axis] + 0x1p-50);
+  }
+  return box;
+}
+
+LocalPoint local_point(const LocalFrame& frame, const Vec3& point, double slack_m) {
+  // Farther out, squares of floats overflow; a point moved nearer along an axis only makes the walk more generous.
+  constexpr double kFarthest = 0x1p60;
+  const Vec3 local = frame.to_local(point);
+  LocalPoint ends;
+  ends.limit_scale = frame.scale;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double center = std::clamp(local[axis], -kFarthest, kFarthest);
+    const double slack = std::min(slack_m * frame.scale * (1 + kFewSlack), kFarthest);
+    const double around = slack + 0x1p-50 * std::abs(center) + 0x1p-60;
+    ends.low[axis] = round_down(center - around);
+    ends.high[axis] = round_up(center + around);
+  }
+  return ends;
 }
 
 }  // namespace collided::engine::bvh

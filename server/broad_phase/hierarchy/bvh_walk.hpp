@@ -27,12 +27,17 @@ void walk_rays_in_turn(const Layout& layout, std::span<Bvh::RayTask> tasks, cons
 /// Eight rays at a time through each node; for the goals nearest and any.
 void walk_ray_packets(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh, Bvh::RayGoal goal);
 
+/// The walks that end in `_boxes` are of a BoxTree, where a child that is a leaf is one box, by its number.
+void walk_ray_boxes(const Layout& layout, const Ray& ray, double limit, Bvh::RayCandidate candidate, WalkCost& cost);
+
 /// A box in local coordinates, already grown by all roundings.
 struct LocalBox {
   float low[3];
   float high[3];
 };
+LocalBox local_box(const LocalFrame& frame, const Aabb& asked);
 void walk_box(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate candidate, WalkCost& cost);
+void walk_box_boxes(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate candidate, WalkCost& cost);
 
 /// The low and high ends of a point's coordinates, already grown by all roundings. Squared distances times limit_scale
 /// squared are local; multiply twice, because the square itself may not fit a double.
@@ -43,7 +48,11 @@ struct LocalPoint {
 
   float local_limit(double limit_m2) const;
 };
+/// A point that is known to within slack_m.
+LocalPoint local_point(const LocalFrame& frame, const Vec3& point, double slack_m);
 void walk_near(const Layout& layout, const LocalPoint& point, double limit_m2, Bvh::NearCandidate candidate,
                WalkCost& cost);
+void walk_near_boxes(const Layout& layout, const LocalPoint& point, double limit_m2, Bvh::NearCandidate candidate,
+                     WalkCost& cost);
 
 }  // namespace collided::engine::bvh

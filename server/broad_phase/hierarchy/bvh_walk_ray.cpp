@@ -93,6 +93,36 @@ std::uint32_t MeetRay(const Layout& layout, const Ray& ray, double limit, const 
   return walk_any<Goal::any>(layout, ray, limit, 0, TriangleCall{candidate, mesh, layout.frame}, cost, &corners);
 }
 
+/// Offers the boxes themselves, each a child of a node.
+void WalkRayBoxes(const Layout& layout, const Ray& world_ray, double limit, Bvh::RayCandidate candidate,
+                  WalkCost& cost) {
+  RayFrame ray;
+  if (!prepare_ray(layout, world_ray, 0, ray)) return;
+  const Slabs slabs(ray);
+  WalkFrame stack[kMaxDepth + 1];
+  WalkFrame* top = stack;
+  WalkReach reach{limit, ray.local_limit(limit)};
+  if (reach.local < 0) return;
+  Ref ref = layout.root;
+  while (true) {
+    if (is_leaf(ref)) {
+      ++cost.candidates;
+      reach.shorten(ray, candidate(ref & kIndexMask, reach.limit));
+      if (reach.is_over()) return;
+    } else {
+      ++cost.nodes;
+      const unsigned waiting = met_children<Way::near_first>(layout.nodes[ref], slabs, reach.local, *top);
+      if (waiting != 0) {
+        ref = top->child[place_of(waiting)];
+        top->waiting = waiting & (waiting - 1);
+        top += top->waiting != 0 ? 1 : 0;
+        continue;
+      }
+    }
+    if (!climb(stack, reach.local, top, ref)) return;
+  }
+}
+
 }  // namespace collided::engine::bvh::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
@@ -103,6 +133,7 @@ HWY_EXPORT(WalkRay);
 HWY_EXPORT(WalkRayTriangles);
 HWY_EXPORT(WalkRayNearest);
 HWY_EXPORT(MeetRay);
+HWY_EXPORT(WalkRayBoxes);
 
 void walk_ray(const Layout& layout, const Ray& ray, double limit, double slack_m, Bvh::RayCandidate candidate,
               WalkCost& cost) {
@@ -122,6 +153,10 @@ void walk_ray_nearest(const Layout& layout, const Ray& ray, double limit, const 
 std::uint32_t meet_ray(const Layout& layout, const Ray& ray, double limit, const TriangleMesh& mesh,
                        Bvh::RayTriangle candidate, WalkCost& cost, Triangle& corners) {
   return HWY_DYNAMIC_DISPATCH(MeetRay)(layout, ray, limit, mesh, candidate, cost, corners);
+}
+
+void walk_ray_boxes(const Layout& layout, const Ray& ray, double limit, Bvh::RayCandidate candidate, WalkCost& cost) {
+  HWY_DYNAMIC_DISPATCH(WalkRayBoxes)(layout, ray, limit, candidate, cost);
 }
 
 }  // namespace collided::engine::bvh

@@ -36,6 +36,9 @@ ExactSolid with_ends(std::vector<Point> points, Dyadic radius, ExactSolid::Kind 
   solid.kind = radius.sign() > 0 ? kind : ExactSolid::Kind::flat;
   solid.points = std::move(points);
   solid.radius = std::move(radius);
+  // A point or a segment is its own border.
+  if (solid.kind == ExactSolid::Kind::flat)
+    solid.border.emplace().edges.push_back({0, static_cast<std::uint32_t>(solid.points.size() - 1)});
   return solid;
 }
 

@@ -3,7 +3,10 @@
 #include "server/exact_phase/distance/polytope_kernel.hpp"
 #include "server/exact_phase/distance/witnesses.hpp"
 #include "server/exact_phase/given/exact_placing.hpp"
+#include "server/exact_phase/kernels/straight_motion.hpp"
 #include "server/exact_phase/part_convex.hpp"
+#include "server/exact_phase/round_solids/axial_exact.hpp"
+#include "server/exact_phase/round_solids/ellipsoid_exact.hpp"
 #include "server/exact_phase/round_solids/refined_search.hpp"
 #include "server/exact_phase/round_solids/round_pair.hpp"
 #include "server/geometry/mesh.hpp"
@@ -64,6 +67,7 @@ struct OwnPair {
   ConvexPart b;
   const Pose& pose_a;
   const Pose& pose_b;
+  double a_off_m = 0;  // how far points of `a` are from those that its exact form has
 
   /// Where to look at them from. A hull in world coordinates is not placed anew.
   Vec3 place() const {
@@ -87,7 +91,9 @@ struct NearPair {
       : near_a(own.a, own.pose_a, own.place()),
         near_b(own.b, own.pose_b, own.place()),
         a(convex_of(near_a.part)),
-        b(convex_of(near_b.part)) {}
+        b(convex_of(near_b.part)) {
+    near_a.off_m += own.a_off_m;
+  }
 };
 
 /// A plane between the two or a point of both, as a search in double finds them, tested exactly. `to_exact` takes
@@ -120,20 +126,105 @@ Decision meets(const ExactSolid& a, const ExactSolid& b, const OwnPair& own, con
   return by_algebra != Decision::undecided ? by_algebra : kernel::refined_meet(a, b);
 }
 
+/// Makes of a set what it covers during a translation; false: that has no form here.
+bool extend(ExactSolid& set, const Point& displacement) {
+  if (is_round(set)) return false;
+  const auto count = static_cast<std::uint32_t>(set.points.size());
+  for (std::uint32_t i = 0; i < count; ++i) set.points.push_back(set.points[i] + displacement);
+  if (set.kind == ExactSolid::Kind::ball) set.kind = ExactSolid::Kind::capsule;
+  if (!set.border) return true;
+  // The features at both ends, and what corners and edges sweep; those of them that lie inside do no harm.
+  const kernel::FlatBorder begin = *set.border;
+  for (const auto& [from, to] : begin.edges) {
+    set.border->edges.push_back({from + count, to + count});
+    set.border->faces.push_back({{from, to, to + count, from + count}, 4});
+  }
+  for (std::uint32_t i = 0; i < count; ++i) set.border->edges.push_back({i, i + count});
+  for (kernel::FlatBorder::Face face : begin.faces) {
+    for (std::uint32_t& corner : face.corner) corner += count;
+    set.border->faces.push_back(face);
+  }
+  set.border->is_solid = true;
+  return true;
+}
+
+/// One of two parts that move against each other: in world coordinates where its motion begins, and how far off that is.
+struct BeginPart {
+  const ConvexPart& placed;
+  const GivenPart& given;
+  Vec3 way_m;  // against the other part
+};
+
+/// `swept` is what the first part covers on its way; the second one stands, in its own frame.
+Decision swept_meets(const ExactSolid& swept, const BeginPart& begin, const ExactSolid& other,
+                     const ConvexPart& other_own, const Pose& other_pose, const Dyadic& scale) {
+  using Kind = ExactSolid::Kind;
+  if (!is_round(other)) return kernel::hulls_meet(swept.points, other.points, swept.radius + other.radius);
+  if (swept.kind == Kind::capsule && swept.points.size() == 2) {
+    const Sphere& ball = std::get<Sphere>(std::get<Primitive>(begin.placed));
+    const Capsule rounded{ball.center, ball.center + begin.way_m, ball.radius_m};
+    const double off_m = begin.given.placing_error_m(0) + 8 * kRoundoff * (ball.center.norm() + begin.way_m.norm());
+    return meets(swept, other, {Primitive(rounded), other_own, kNowhere, other_pose, off_m}, scale);
+  }
+  Decision by_algebra = Decision::undecided;
+  if (swept.kind == Kind::flat && other.kind == Kind::ellipsoid)
+    by_algebra = kernel::ellipsoid_meets_hull(other, swept.points);
+  else if (swept.kind == Kind::flat && swept.border) by_algebra = kernel::axial_meets_border(other, swept);
+  return by_algebra != Decision::undecided ? by_algebra : kernel::refined_meet(swept, other);
+}
+
+/// The part is lowest at one end of its way.
+Decision comes_to(const Ground& ground, ExactSolid part, const Point& displacement) {
+  const Decision at_begin = meets(ground, part);
+  if (at_begin != Decision::no) return at_begin;
+  for (Point& point : part.points) point = point + displacement;
+  return meets(ground, part);
+}
+
 }  // namespace
 
 Decision overlaps_as_given(const ConvexPart& placed_a, const ConvexPart& placed_b, const GivenPair& given) {
+  return overlaps_as_given(placed_a, placed_b, given, {});
+}
+
+Decision overlaps_as_given(const ConvexPart& placed_a, const ConvexPart& placed_b, const GivenPair& given,
+                           const kernel::StraightMotion& motion) {
   const OwnPair own{own_part(placed_a, given.a), own_part(placed_b, given.b), pose_of(given.a), pose_of(given.b)};
   const Dyadic scale_a = square_norm(own.pose_a.rotation);
   const Dyadic scale_b = square_norm(own.pose_b.rotation);
-  const ExactPart a = exactly_placed(own.a, own.pose_a, scale_b, own.b);
-  const ExactPart b = exactly_placed(own.b, own.pose_b, scale_a, own.a);
-  const auto* solid_a = std::get_if<ExactSolid>(&a);
-  const auto* solid_b = std::get_if<ExactSolid>(&b);
-  if (solid_a != nullptr && solid_b != nullptr) return meets(*solid_a, *solid_b, own, scale_a * scale_b);
-  if (solid_a != nullptr) return meets(std::get<Ground>(b), *solid_a);
-  if (solid_b != nullptr) return meets(std::get<Ground>(a), *solid_b);
+  const Dyadic scale = scale_a * scale_b;
+  ExactPart a = exactly_placed(own.a, own.pose_a, scale_b, own.b);
+  ExactPart b = exactly_placed(own.b, own.pose_b, scale_a, own.a);
+  const Point displacement = scale * motion.displacement<Dyadic>();
+  auto* solid_a = std::get_if<ExactSolid>(&a);
+  auto* solid_b = std::get_if<ExactSolid>(&b);
+  if (solid_a == nullptr && solid_b == nullptr) return Decision::undecided;
+  if (solid_b == nullptr) return comes_to(std::get<Ground>(b), std::move(*solid_a), displacement);
+  if (solid_a == nullptr) return comes_to(std::get<Ground>(a), std::move(*solid_b), -displacement);
+  if (displacement.x.sign() == 0 && displacement.y.sign() == 0 && displacement.z.sign() == 0)
+    return meets(*solid_a, *solid_b, own, scale);
+  const Vec3 way_m = motion.until * ((motion.to_a - motion.from_a) - (motion.to_b - motion.from_b));
+  // Moving a against b is moving b back against a.
+  if (extend(*solid_a, displacement))
+    return swept_meets(*solid_a, {placed_a, given.a, way_m}, *solid_b, own.b, own.pose_b, scale);
+  if (extend(*solid_b, -displacement))
+    return swept_meets(*solid_b, {placed_b, given.b, -way_m}, *solid_a, own.a, own.pose_a, scale);
   return Decision::undecided;
+}
+
+Decision overlaps_as_given(const RaySegment& segment, const ConvexPart& placed, const GivenPart& given) {
+  const Ray& ray = segment.ray;
+  const Capsule rounded{ray.origin + segment.from * ray.direction, ray.origin + segment.to * ray.direction, 0};
+  const double size_m = ray.origin.norm() + std::max(segment.from, segment.to) * ray.direction.stableNorm();
+  const OwnPair own{Primitive(rounded), own_part(placed, given), kNowhere, pose_of(given), 4 * kRoundoff * size_m};
+  const Dyadic scale = square_norm(own.pose_b.rotation);
+  const ExactPart b = exactly_placed(own.b, own.pose_b, Dyadic(1.0), own.a);
+  ExactSolid line;
+  for (const double s : {segment.from, segment.to})
+    line.points.push_back(scale * (Point(ray.origin) + Dyadic(s) * Point(ray.direction)));
+  line.border.emplace().edges.push_back({0, 1});
+  const auto* solid = std::get_if<ExactSolid>(&b);
+  return solid != nullptr ? meets(line, *solid, own, scale) : meets(std::get<Ground>(b), line);
 }
 
 }  // namespace collided::engine

@@ -3,8 +3,13 @@
 #include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/exact_phase/given/given_part.hpp"
 #include "server/exact_phase/part.hpp"
+#include "server/geometry/ray.hpp"
 
 namespace collided::engine {
+
+namespace kernel {
+struct StraightMotion;
+}
 
 /// Two parts that are to be compared: as they stand in world coordinates, in double, and as they were given.
 struct GivenPair {
@@ -24,5 +29,21 @@ struct GivenPair {
 /// cost      10 us to some ms, 100 ms at worst; allocates
 /// threads   pure
 Decision overlaps_as_given(const ConvexPart& placed_a, const ConvexPart& placed_b, const GivenPair& given);
+
+/// The same at any time of a's straight motion against b; the poses have them where it begins.
+///
+/// returns  undecided also for two of cylinder, cone and ellipsoid that move
+Decision overlaps_as_given(const ConvexPart& placed_a, const ConvexPart& placed_b, const GivenPair& given,
+                           const kernel::StraightMotion& motion);
+
+/// A segment of a ray, from one multiple of the direction to another: its ends need not be doubles.
+struct RaySegment {
+  const Ray& ray;
+  double from;
+  double to;
+};
+
+/// The same for a segment and a part.
+Decision overlaps_as_given(const RaySegment& segment, const ConvexPart& placed, const GivenPart& given);
 
 }  // namespace collided::engine

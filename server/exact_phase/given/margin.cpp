@@ -64,6 +64,12 @@ bool surely_apart(const ConvexPart& a, const ConvexPart& b, double off_m) {
 }
 
 bool surely_meet(const ConvexPart& a, const ConvexPart& b, double off_m) {
+  const auto* first = std::get_if<Triangle>(&a);
+  const auto* second = std::get_if<Triangle>(&b);
+  if (first != nullptr && second != nullptr) {
+    const Decision quick = kernel::quickly_overlaps(*first, *second, off_m);
+    if (quick != Decision::undecided) return quick == Decision::yes;
+  }
   if (const std::optional<Decision> shrunk = overlaps_grown(a, b, -off_m)) return *shrunk == Decision::yes;
   if (!overlaps(a, b).yes()) return false;
   const Contact deepest = contact(a, b);

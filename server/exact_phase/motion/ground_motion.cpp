@@ -4,6 +4,8 @@
 #include <variant>
 
 #include "server/exact_phase/distance/convex.hpp"
+#include "server/exact_phase/given/given_overlap.hpp"
+#include "server/exact_phase/motion/monotone_bracket.hpp"
 #include "server/exact_phase/motion/swept_convex.hpp"
 #include "server/geometry/tolerance.hpp"
 
@@ -13,14 +15,14 @@ namespace {
 /// The search for a rotating part's first contact with a plane.
 class Landing {
  public:
-  Landing(const PartMotion& part, const HalfSpace& ground, double width, TimeBracket& bracket)
+  Landing(const PartMotion& part, const HalfSpace& ground, double placing_m, double width, TimeBracket& bracket)
       : part_(part),
         ground_(ground),
         plane_(Sphere{ground.point, 0}),
         width_(width),
         bracket_(bracket),
         motion_m_(part.motion->length_m(part.reach_m)),
-        error_m_(2 * part.motion->error_m(part.reach_m)) {}
+        error_m_(2 * part.motion->error_m(part.reach_m) + placing_m) {}
 
   /// Searches a span; `yes` fills the bracket.
   Decision look(const TimeSpan& span) {
@@ -57,7 +59,8 @@ class Landing {
   double error_m_;
 };
 
-/// For a straight motion: exact, from the part's first position and its translation, neither of which is rounded.
+/// For a straight motion: exact, from the part's first position and its translation, neither of which is rounded. A part
+/// that is ahead of the plane at span.low and was not before has left it for good.
 ExactResult straight_to_ground(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width,
                                TimeBracket& bracket) {
   const BoundedPart first = part.at(0);
@@ -69,21 +72,71 @@ ExactResult straight_to_ground(const PartMotion& part, const HalfSpace& ground, 
   TimeBracket exact;
   const ExactResult verdict =
       kernel::first_contact_on_motion(start, ground, motion, down_m > 0 ? gap_m / down_m : 0, width, exact);
+  if (verdict.yes() && exact.high < span.low) return {Decision::no, verdict.level};
   if (verdict.yes()) bracket = {std::max(exact.low, span.low), std::max(exact.high, span.low)};
   return verdict;
 }
 
-}  // namespace
-
-ExactResult first_contact(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width,
-                          TimeBracket& bracket) {
+/// placing_m: how far the two as placed may be off, in all.
+ExactResult contact_of_placed(const PartMotion& part, const HalfSpace& ground, double placing_m, TimeSpan span,
+                              double width, TimeBracket& bracket) {
   const ExactResult at_once = std::visit([&](const auto& shape) { return overlaps(ground, shape); }, part.at(span.low));
   if (at_once.yes()) {
     bracket = {span.low, span.low};
     return at_once;
   }
   if (part.motion->turn_rad == 0) return straight_to_ground(part, ground, span, width, bracket);
-  return {Landing(part, ground, width, bracket).look(span), Level::filter};
+  return {Landing(part, ground, placing_m, width, bracket).look(span), Level::filter};
+}
+
+/// Whether an answer for the placed two surely holds where they may be off by placing_m: a part that goes straight is
+/// lowest at an end of its way.
+bool holds_within(const PartMotion& part, const HalfSpace& ground, double placing_m, TimeSpan span,
+                  const ExactResult& verdict, const TimeBracket& bracket) {
+  const double off_m = placing_m + 2 * part.motion->error_m(part.reach_m);
+  const kernel::Convex plane(Sphere{ground.point, 0});
+  const auto depth = [&](double t) {
+    const BoundedPart placed = part.at(t);
+    return kernel::push_along(ground.normal, plane,
+                              std::visit([](const auto& shape) { return kernel::Convex(shape); }, placed));
+  };
+  const auto is_above = [&](double t) { return depth(t).high() < -off_m; };
+  if (verdict.decision == Decision::no) return is_above(span.low) && is_above(span.high);
+  if (!verdict.yes() || !(depth(bracket.high).low() > off_m)) return false;
+  return bracket.high == span.low || (is_above(span.low) && is_above(bracket.low));
+}
+
+ExactResult contact_of_given(const PartMotion& part, const HalfSpace& ground, const GivenPart& given, TimeSpan span,
+                             double width, TimeBracket& bracket) {
+  if (kernel::precision.highest != Level::rational) return {Decision::undecided, Level::filter};
+  const PartAsGiven begin(part);
+  const ConvexPart plane = Primitive(ground);
+  kernel::StraightMotion motion{.from_a = part.motion->from.position, .to_a = part.motion->to.position};
+  const double guess = bracket.low;
+  return kernel::bracket_monotone(
+      [&](double t) {
+        motion.until = std::min(t, span.high);
+        return ExactResult{overlaps_as_given(begin.placed, plane, {begin.given, given}, motion), Level::rational};
+      },
+      [&] { return guess; }, width, bracket);
+}
+
+}  // namespace
+
+ExactResult first_contact(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width,
+                          TimeBracket& bracket, const GivenPart& given) {
+  const double far_m =
+      (part.motion->from.position - ground.point).norm() + part.motion->length_m(part.reach_m) + part.reach_m;
+  const double placing_m = part.placing_m + given.placing_error_m(far_m);
+  const ExactResult placed = contact_of_placed(part, ground, placing_m, span, width, bracket);
+  const bool is_placed =
+      placing_m == 0 || part.motion->turn_rad != 0 || holds_within(part, ground, placing_m, span, placed, bracket);
+  if (is_placed) return placed;
+  TimeBracket exact = bracket;
+  const ExactResult as_given = contact_of_given(part, ground, given, span, width, exact);
+  if (as_given.decision == Decision::undecided && kernel::precision.highest == Level::rational) return placed;
+  bracket = exact;
+  return as_given;
 }
 
 bool surely_stays_above(const BodyMotion& motion, double reach_m, const HalfSpace& ground) {

@@ -9,6 +9,9 @@
 #include "server/exact_phase/distance/convex.hpp"
 #include "server/exact_phase/distance/general_shapes.hpp"
 #include "server/exact_phase/distance/simplex_search.hpp"
+#include "server/exact_phase/given/given_overlap.hpp"
+#include "server/exact_phase/given/margin.hpp"
+#include "server/exact_phase/motion/monotone_bracket.hpp"
 #include "server/exact_phase/motion/moving_features.hpp"
 #include "server/exact_phase/motion/moving_solids.hpp"
 #include "server/exact_phase/motion/swept_convex.hpp"
@@ -43,6 +46,30 @@ ExactResult overlap_at(const PartMotion& a, const PartMotion& b, double t) {
   return std::visit([](const auto& x, const auto& y) { return overlaps(x, y); }, a.at(t), b.at(t));
 }
 
+bool turn(const PartMotion& a, const PartMotion& b) { return a.motion->turn_rad != 0 || b.motion->turn_rad != 0; }
+
+/// What is asked is where the poses given have them, which is not where they are placed.
+bool are_given(const PartMotion& a, const PartMotion& b) { return a.placing_m + b.placing_m > 0; }
+
+/// Whether the two, where the poses given have them, share a point until t while both move straight.
+class GivenMotions {
+ public:
+  GivenMotions(const PartMotion& a, const PartMotion& b)
+      : a_(a),
+        b_(b),
+        motion_{a.motion->from.position, a.motion->to.position, b.motion->from.position, b.motion->to.position, 0} {}
+
+  ExactResult touch_until(double t) {
+    motion_.until = t;
+    return {overlaps_as_given(a_.placed, b_.placed, {a_.given, b_.given}, motion_), Level::rational};
+  }
+
+ private:
+  PartAsGiven a_;
+  PartAsGiven b_;
+  kernel::StraightMotion motion_;
+};
+
 /// What of a part the rotation moves: nothing of a wheel about its own axis, nor of a ball about its centre.
 struct Lever {
   double points_m = 0;  // of all points but those of discs and ball, from the axis of the rotation, at most
@@ -59,7 +86,7 @@ struct Lever {
       points_m = part.reach_m;
       return;
     }
-    for (int i = 0; i < set.count(); ++i) points_m = std::max(points_m, from_axis(set.point(i)));
+    for (int i = 0; i < set.count(); ++i) points_m = std::max(points_m, from_axis(set.point(i) - part.motion->pivot));
     if (set.plus != Convex::Plus::nothing) {
       for (int i = 0; i < 3; ++i) points_m += set.half_m[i] * from_axis(set.axes.col(i));
       points_m = std::min(points_m * (1 + kBoundSlack), part.reach_m);
@@ -77,12 +104,14 @@ class Advance {
         b_(b),
         lever_a_(a),
         lever_b_(b),
-        slack_m_(2 * (a.motion->error_m(a.reach_m) + b.motion->error_m(b.reach_m))) {}
+        slack_m_(2 * (a.motion->error_m(a.reach_m) + b.motion->error_m(b.reach_m)) + a.placing_m + b.placing_m) {}
 
   /// Finds a plane that separates the two at time t, and a lower bound on the gap; not positive: none was found.
   /// `normal` holds the previous step's plane, which is tried first: for round parts that nearly touch, double finds a
   /// worse one than it did from farther away.
-  double part_at(double t, Vec3& normal) const {
+  ///
+  /// by_faces  tries the plane of a face, too, where the nearest points show none
+  double part_at(double t, Vec3& normal, bool by_faces) const {
     const BoundedPart a = a_.at(t);
     const BoundedPart b = b_.at(t);
     const Convex set_a = convex_of(a);
@@ -97,17 +126,23 @@ class Advance {
       normal = n;
     };
     if (!proposal.encloses && !proposal.nearest.isZero(0)) try_plane(-proposal.nearest.stableNormalized());
-    // Nearest points closer than they are known lie in no direction; faces have one. Straight motions are decided without.
-    const bool turns = a_.motion->turn_rad != 0 || b_.motion->turn_rad != 0;
-    if (!(gap_m > 0) && turns && !proposal.encloses)
+    // Nearest points closer than they are known lie in no direction; faces have one.
+    if (!(gap_m > 0) && by_faces && !proposal.encloses)
       try_plane(kernel::depth_proposal(set_a, set_b, proposal, 0).normal);
     return gap_m;
+  }
+
+  /// Whether the two touch at t: as placed, or surely where the poses given have them.
+  ExactResult touch_at(double t) const {
+    if (!are_given(a_, b_)) return overlap_at(a_, b_, t);
+    const bool surely = surely_meet(a_.placed_at(t), b_.placed_at(t), slack_m_);
+    return {surely ? Decision::yes : Decision::undecided, Level::filter};
   }
 
   /// Both move straight, and across n they approach by no more than the error of their placing, or the motion is over:
   /// where they are placed at its end does not show whether the motion brings them together.
   bool ends_in_doubt(const Vec3& n, double gap_m, double length, bool is_over) const {
-    if (a_.motion->turn_rad != 0 || b_.motion->turn_rad != 0) return false;
+    if (turn(a_, b_) || are_given(a_, b_)) return false;
     return is_over || closing_speed_m(n) * length - gap_m <= 4 * slack_m_;
   }
 
@@ -250,8 +285,13 @@ std::optional<ExactResult> past_triangle(const PartMotion& a, const PartMotion& 
 /// contact before it.
 std::optional<ExactResult> exactly(const PartMotion& a, const PartMotion& b, double low, double width,
                                    TimeBracket& bracket) {
-  if (a.motion->turn_rad != 0 || b.motion->turn_rad != 0 || kernel::precision.highest != Level::rational)
-    return std::nullopt;
+  if (turn(a, b) || kernel::precision.highest != Level::rational) return std::nullopt;
+  if (are_given(a, b)) {
+    GivenMotions given(a, b);
+    const ExactResult verdict =
+        kernel::bracket_monotone([&](double t) { return given.touch_until(t); }, [&] { return low; }, width, bracket);
+    if (verdict.decision != Decision::undecided) return verdict;
+  }
   if (const std::optional<ExactResult> verdict = past_triangle(a, b, width, bracket)) return verdict;
   const BoundedPart start_a = a.at(0);
   const BoundedPart start_b = b.at(0);
@@ -265,19 +305,27 @@ std::optional<ExactResult> exactly(const PartMotion& a, const PartMotion& b, dou
 
 /// Decides where the separating planes found so far prove nothing more: the parts touch, or are closer than planes can
 /// show.
-ExactResult decide_graze(const PartMotion& a, const PartMotion& b, double low, double end, double width,
-                         TimeBracket& bracket) {
+ExactResult decide_graze(const Advance& advance, const PartMotion& a, const PartMotion& b, double low, TimeSpan span,
+                         double width, TimeBracket& bracket) {
+  const double end = span.high;
+  const bool has_rationals = kernel::precision.highest == Level::rational;
   const auto at_once = [&] {
     bracket = {low, low};
-    return overlap_at(a, b, low);
+    const ExactResult placed = advance.touch_at(low);
+    if (placed.yes() || !are_given(a, b) || !has_rationals) return placed;
+    const ExactResult given = low == 0 ? GivenMotions(a, b).touch_until(0) : placed;
+    return given.decision != Decision::undecided ? given : overlap_at(a, b, low);
   };
   // The start of the motion is not rounded: a part that rests on another needs no test of its motion.
   if (low == 0) {
     const ExactResult verdict = at_once();
     if (verdict.yes()) return verdict;
   }
+  if (are_given(a, b) && !has_rationals) return {Decision::undecided, Level::filter};
   TimeBracket exact;
   if (const std::optional<ExactResult> verdict = exactly(a, b, low, width, exact)) {
+    // Of two that go straight and met before the span: they touch where it begins, or they have parted for good.
+    if (verdict->yes() && exact.high < span.low) return at_once();
     const bool is_before = verdict->yes() && exact.low <= end;
     // A contact before `low` comes from rounding the ends.
     if (is_before) bracket = {std::max(exact.low, low), std::max(exact.high, low)};
@@ -289,17 +337,17 @@ ExactResult decide_graze(const PartMotion& a, const PartMotion& b, double low, d
 
 /// Raises the lower end of a bracket by further planes, and lowers its upper end by overlaps found on the way, until it is
 /// as narrow as asked or no plane is found.
-void narrow(const Advance& advance, const PartMotion& a, const PartMotion& b, double width, TimeBracket& bracket) {
+void narrow(const Advance& advance, double width, TimeBracket& bracket) {
   Vec3 normal = Vec3::Zero();
   for (int step = 0; step < kMostNarrowing && bracket.high - bracket.low > width; ++step) {
-    const double gap_m = advance.part_at(bracket.low, normal);
+    const double gap_m = advance.part_at(bracket.low, normal, true);
     if (!(gap_m > 0)) return;
     const double ahead = advance.parted_for(normal, gap_m, bracket.low, bracket.high);
     const double low = bracket.low + ahead * kShy;
     if (!(low > bracket.low && low < bracket.high)) return;
     bracket.low = low;
     const double then = low + width * 0.9375;
-    if (then < bracket.high && overlap_at(a, b, then).yes()) bracket.high = then;
+    if (then < bracket.high && advance.touch_at(then).yes()) bracket.high = then;
   }
 }
 
@@ -320,7 +368,8 @@ BoundedPart part_of(const Primitive& primitive) {
 
 PartMotion::PartMotion(BoundedPart part, const BodyMotion& on) : own(std::move(part)), motion(&on) {
   const Convex set = convex_of(own);
-  reach_m = (set.carrier[0].stableNorm() + set.reach_m + set.ball_m) * (1 + kBoundSlack);
+  reach_m = on.lever_m((set.carrier[0].stableNorm() + set.reach_m + set.ball_m) * (1 + kBoundSlack));
+  placing_m = std::visit([&](const auto& shape) { return on.placing_m(shape); }, own);
 }
 
 BoundedPart PartMotion::at(double t) const {
@@ -328,15 +377,32 @@ BoundedPart PartMotion::at(double t) const {
   return std::visit([&](const auto& shape) { return BoundedPart(place(frame, shape)); }, own);
 }
 
+ConvexPart PartMotion::placed_at(double t) const {
+  const Frame frame = motion->at(t);
+  return std::visit([&](const auto& shape) { return as_part(place(frame, shape)); }, own);
+}
+
+PartAsGiven::PartAsGiven(const PartMotion& part)
+    : placed(part.placed_at(0)), own(std::visit([](const auto& shape) { return as_part(shape); }, part.own)) {
+  if (part.motion->given == nullptr) return;
+  if (const auto* triangle = std::get_if<Triangle>(&own)) given.own = *triangle;
+  else given.own = &std::get<Primitive>(own);
+  given.pose = part.motion->given;
+  given.frame = &part.motion->from;
+}
+
 ExactResult first_contact(const PartMotion& a, const PartMotion& b, TimeSpan span, double width, TimeBracket& bracket,
                           std::uint32_t* looks) {
   const Advance advance(a, b);
-  const bool are_flat = std::holds_alternative<Triangle>(a.own) && std::holds_alternative<Triangle>(b.own);
+  const bool are_flat = std::holds_alternative<Triangle>(a.own) && std::holds_alternative<Triangle>(b.own) &&
+                        (turn(a, b) || !are_given(a, b));
+  const bool do_turn = turn(a, b);
   double low = span.low;
   Vec3 normal = Vec3::Zero();
   for (int step = 0; step < kMostSteps; ++step) {
     if (looks != nullptr) ++*looks;
-    const double gap_m = advance.part_at(low, normal);
+    // Most straight motions are decided exactly instead.
+    const double gap_m = advance.part_at(low, normal, do_turn);
     if (!(gap_m > 0)) {
       const double then = std::min({span.high, low + straight_for(a), low + straight_for(b)});
       if (!are_flat || !(then > low)) break;
@@ -353,7 +419,7 @@ ExactResult first_contact(const PartMotion& a, const PartMotion& b, TimeSpan spa
     // Stay short of it: at the contact itself no plane would be certain any more.
     low += ahead > width ? ahead - width / 4 : ahead * kShy;
     const double then = std::min(low + width * 0.9375, span.high);
-    const ExactResult verdict = overlap_at(a, b, then);
+    const ExactResult verdict = advance.touch_at(then);
     if (looks != nullptr && verdict.level != Level::filter) *looks += kExactLooks;
     if (!verdict.yes()) continue;
     if (advance.ends_in_doubt(normal, gap_m, span.high - before, then == 1)) break;
@@ -361,8 +427,8 @@ ExactResult first_contact(const PartMotion& a, const PartMotion& b, TimeSpan spa
     return verdict;
   }
   if (looks != nullptr) *looks += kExactLooks;
-  const ExactResult verdict = decide_graze(a, b, low, span.high, width, bracket);
-  if (verdict.yes() && bracket.high - bracket.low > width) narrow(advance, a, b, width, bracket);
+  const ExactResult verdict = decide_graze(advance, a, b, low, span, width, bracket);
+  if (verdict.yes() && bracket.high - bracket.low > width) narrow(advance, width, bracket);
   return verdict;
 }
 

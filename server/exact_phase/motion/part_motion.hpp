@@ -4,8 +4,10 @@
 #include <variant>
 
 #include "server/exact_phase/distance/contact.hpp"
+#include "server/exact_phase/given/given_part.hpp"
 #include "server/exact_phase/motion/body_motion.hpp"
 #include "server/exact_phase/motion/time_of_contact.hpp"
+#include "server/exact_phase/part.hpp"
 
 namespace collided::engine {
 
@@ -19,11 +21,24 @@ BoundedPart part_of(const Primitive& primitive);
 struct PartMotion {
   BoundedPart own;
   const BodyMotion* motion = nullptr;
-  double reach_m = 0;  // no point of the part is farther from the frame's origin, metres
+  double reach_m = 0;    // no point of the part is farther from the frame's origin, metres; BodyMotion::lever_m of that
+  double placing_m = 0;  // how far it may be, as placed, from where the pose given has it; BodyMotion::placing_m
 
   PartMotion(BoundedPart part, const BodyMotion& on);
   /// The part at time t, in world coordinates.
   BoundedPart at(double t) const;
+  ConvexPart placed_at(double t) const;
+};
+
+/// A part where its motion begins: placed, in its own frame, and as it was given (without a pose: as placed).
+struct PartAsGiven {
+  ConvexPart placed;
+  ConvexPart own;
+  GivenPart given;  // refers to own
+
+  explicit PartAsGiven(const PartMotion& part);
+  PartAsGiven(const PartAsGiven&) = delete;
+  PartAsGiven& operator=(const PartAsGiven&) = delete;
 };
 
 /// The times to search, as fractions of the motion.
@@ -36,6 +51,10 @@ struct TimeSpan {
 /// from span.low to bracket.low; contact of the parts placed at bracket.high by the exact test (for two triangles: at
 /// some time up to it). Both are span.low if they touch there. No wider than `width`, except where the first contact is
 /// a graze: then as narrow as it is known.
+///
+/// Where a pose is given and placing rounds (placing_m above 0), all this holds for the parts where the poses have them.
+/// The rest are parts that turn, and two of cylinder, cone and ellipsoid: if they come closer than placing_m, a yes is that
+/// of the placed ones.
 ///
 /// decision  yes and no are proved: a plane between the two is followed along the motion, with a bound on what the
 /// rotations can change; undecided where they come closer than rounding resolves (or than kMostSteps steps resolve) and

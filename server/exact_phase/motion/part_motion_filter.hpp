@@ -20,11 +20,12 @@ struct MotionPiece {
   bool is_at_rest = false;
 
   MotionPiece(const BodyMotion& motion, const TimeSpan& span);
-  /// reach_m: no point of the part is farther from the frame's origin.
+  /// reach_m    no point of the part is farther from the frame's origin
+  /// placing_m  how far the part as placed may be off
   template <class Shape>
-  MovingCore moving(const Shape& own, const BodyMotion& motion, double reach_m) const {
+  MovingCore moving(const Shape& own, const BodyMotion& motion, double reach_m, double placing_m = 0) const {
     const Core first(place(at_low, own));
-    return {first, is_at_rest ? first : Core(place(at_high, own)), off_m(motion, reach_m)};
+    return {first, is_at_rest ? first : Core(place(at_high, own)), off_m(motion, reach_m) + placing_m};
   }
 
  private:

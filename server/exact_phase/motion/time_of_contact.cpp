@@ -104,6 +104,18 @@ double guessed_time(const MovingSphere& mover, const Shape& other) {
   return t;
 }
 
+/// Of two spheres the first root of a quadratic, in the form that loses no digits.
+double guessed_time(const MovingSphere& mover, const Sphere& other) {
+  const Vec3 step = mover.end - mover.start;
+  const Vec3 away = mover.start - other.center;
+  const double reach_m = mover.radius_m + other.radius_m;
+  const double closing = -away.dot(step);
+  const double over = away.squaredNorm() - reach_m * reach_m;
+  const double under = closing * closing - step.squaredNorm() * over;
+  const double t = over / (closing + std::sqrt(under > 0 ? under : 0));
+  return t > 0 && t < 1 ? t : 0;
+}
+
 template <class Shape>
 ExactResult bracket_first_contact(const MovingSphere& mover, const Shape& other, double width, TimeBracket& bracket) {
   return bracket_monotone([&](double t) { return touched_until(mover, t, other); },

@@ -86,8 +86,22 @@ struct alignas(32) RaySides {
   double direction2;
 };
 
+/// Corners without an error.
+struct NotOff {};
+/// Corners with an error of at most that.
+struct OffBy {
+  double off_m;
+};
+
+/// Square of what a side may be off by, at least: |direction| (|edge| + 2 |corner| + 2 off_m) off_m.
+HWY_INLINE double side_off2(OffBy by, double edges2, double corners2, double direction2) {
+  const double off2 = by.off_m * by.off_m;
+  return direction2 * off2 * (3 * edges2 + 12 * corners2 + 12 * off2) * (1 + kBoundSlack);
+}
+
 /// hit: the line surely meets the triangle's inside.
-HWY_INLINE FilterVerdict sides_of(const Ray& ray, const Triangle& t, RaySides& out) {
+template <class Off>
+HWY_INLINE FilterVerdict sides_of(const Ray& ray, const Triangle& t, [[maybe_unused]] Off by, RaySides& out) {
   Lanes side[4 / kLanes];
   Lanes edge2 = hn::Zero(kDoubles);
   Lanes corner2 = hn::Zero(kDoubles);
@@ -118,7 +132,9 @@ HWY_INLINE FilterVerdict sides_of(const Ray& ray, const Triangle& t, RaySides& o
   // Overflow needs no check: it makes the bound infinite, and nothing exceeds that.
   if (!(std::min({direction2, corners2, edges2}) >= kFilterLowest2)) return FilterVerdict::unsure;
   // Signed squares compare like the numbers, so no root is needed.
-  const double bound = kTripleProductError * kTripleProductError * edges2 * corners2 * direction2;
+  double bound = kTripleProductError * kTripleProductError * edges2 * corners2 * direction2;
+  // (a + b)^2 <= 2 a^2 + 2 b^2
+  if constexpr (std::is_same_v<Off, OffBy>) bound = 2 * bound + 2 * side_off2(by, edges2, corners2, direction2);
   const auto above = hn::Set(kDoubles, bound);
   const auto below = hn::Set(kDoubles, -bound);
   bool any_above = false;
@@ -146,8 +162,22 @@ HWY_INLINE void divide(const double (&above)[4], const double (&below)[4], doubl
   }
 }
 
+/// Adds the error of the corners to the errors of the numerator and the denominator of the ray's parameter.
+struct QuotientOff {
+  double numerator = 0;
+  double denominator = 0;
+};
+HWY_INLINE QuotientOff quotient_off(OffBy by, double ab2, double ca2, double to_a_m, double area, double length) {
+  // Both edges of the normal are off by twice as much as a corner.
+  const double normal_off = 2 * by.off_m * (std::sqrt(ab2) + std::sqrt(ca2) + 2 * by.off_m);
+  return {((to_a_m + by.off_m) * normal_off + by.off_m * area) * (1 + kBoundSlack),
+          length * normal_off * (1 + kBoundSlack)};
+}
+
 /// Where a line that surely meets the triangle's inside meets it, and whether that is within the ray.
-HWY_INLINE FilterVerdict place_hit(const Ray& ray, const Triangle& triangle, const RaySides& s, RayHit& hit) {
+template <class Off>
+HWY_INLINE FilterVerdict place_hit(const Ray& ray, const Triangle& triangle, const RaySides& s, [[maybe_unused]] Off by,
+                                   RayHit& hit) {
   const Triple a = triple(triangle.a);
   const Triple to_a = a - triple(ray.origin);
   const Triple normal = cross(a - triple(triangle.c), triple(triangle.b) - a);
@@ -168,6 +198,17 @@ HWY_INLINE FilterVerdict place_hit(const Ray& ray, const Triangle& triangle, con
   const double numerator_error = kTripleProductError * root[1] * area_scale;
   const double denominator_error = kTripleProductError * length * area_scale;
   const double size = std::abs(denominator);
+  if constexpr (std::is_same_v<Off, OffBy>) {
+    const QuotientOff off = quotient_off(by, ab2, ca2, root[1], area_scale, length);
+    const double share = (off.numerator + numerator_error) / std::abs(numerator);
+    const double below = (off.denominator + denominator_error) / size;
+    if (!(share < 1) || !(below < 0.5)) return FilterVerdict::unsure;
+    // How far the parameter may be off, as a share of it; twice that leaves room for the roundings of what follows.
+    const double most_m = std::abs(numerator / denominator) * length;
+    const double off_m = 2 * most_m * (share + below) / (1 - below);
+    const bool is_ahead = (numerator > 0) == (denominator > 0);
+    if (is_ahead && !(most_m + off_m < ray.length_m) && !(most_m - off_m > ray.length_m)) return FilterVerdict::unsure;
+  }
   if (!(std::abs(numerator) > numerator_error) || !(size > 2 * denominator_error)) return FilterVerdict::unsure;
   if ((numerator > 0) != (denominator > 0)) return FilterVerdict::miss;
   const double sides = s.side[1] + s.side[2] + s.side[0];
@@ -196,10 +237,18 @@ HWY_INLINE FilterVerdict place_hit(const Ray& ray, const Triangle& triangle, con
   return FilterVerdict::hit;
 }
 
-FilterVerdict FilterRay(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+template <class Off>
+HWY_INLINE FilterVerdict filtered(const Ray& ray, const Triangle& triangle, Off by, RayHit& hit) {
   RaySides sides;
-  const FilterVerdict verdict = sides_of(ray, triangle, sides);
-  return verdict == FilterVerdict::hit ? place_hit(ray, triangle, sides, hit) : verdict;
+  const FilterVerdict verdict = sides_of(ray, triangle, by, sides);
+  return verdict == FilterVerdict::hit ? place_hit(ray, triangle, sides, by, hit) : verdict;
+}
+
+FilterVerdict FilterRay(const Ray& ray, const Triangle& triangle, RayHit& hit) {
+  return filtered(ray, triangle, NotOff{}, hit);
+}
+FilterVerdict FilterRayWithin(const Ray& ray, const Triangle& triangle, double off_m, RayHit& hit) {
+  return filtered(ray, triangle, OffBy{off_m}, hit);
 }
 
 }  // namespace collided::engine::kernel::HWY_NAMESPACE
@@ -209,9 +258,14 @@ HWY_AFTER_NAMESPACE();
 namespace collided::engine::kernel {
 
 HWY_EXPORT(FilterRay);
+HWY_EXPORT(FilterRayWithin);
 
 FilterVerdict filter_ray(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   return HWY_DYNAMIC_DISPATCH(FilterRay)(ray, triangle, hit);
+}
+
+FilterVerdict filter_ray_within(const Ray& ray, const Triangle& triangle, double off_m, RayHit& hit) {
+  return HWY_DYNAMIC_DISPATCH(FilterRayWithin)(ray, triangle, off_m, hit);
 }
 
 }  // namespace collided::engine::kernel

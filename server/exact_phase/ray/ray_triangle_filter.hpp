@@ -14,5 +14,8 @@ enum class FilterVerdict : int { miss, hit, blunt, unsure };
 ///
 /// SIMD, chosen at run time; every variant runs the same operations in the same order, so all give the same bits.
 FilterVerdict filter_ray(const Ray& ray, const Triangle& triangle, RayHit& hit);
+/// The same, where miss and hit hold for every triangle whose corners are off from this one's by at most off_m. The hit is
+/// that of this one.
+FilterVerdict filter_ray_within(const Ray& ray, const Triangle& triangle, double off_m, RayHit& hit);
 
 }  // namespace collided::engine::kernel

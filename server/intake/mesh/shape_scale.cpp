@@ -6,6 +6,8 @@
 #include <optional>
 #include <string_view>
 
+#include "idl/question_rules.hpp"
+#include "server/geometry/aabb.hpp"
 #include "server/geometry/convex_hull.hpp"
 #include "server/geometry/mesh.hpp"
 
@@ -74,18 +76,18 @@ class Scaling {
   }
   Vec3 point(const Vec3& p) {
     const Vec3 product = p.cwiseProduct(factor_);
-    need(product.allFinite(), "a coordinate would be too large for a double");
+    need(wire_contract::are_coordinates(product), "a coordinate would exceed 1e290 m");
     return product;
   }
   double length(double l) {
-    need(std::isfinite(l * factor_[0]), "a length would be too large for a double");
+    need(wire_contract::is_coordinate(l * factor_[0]), "a length would exceed 1e290 m");
     return l * factor_[0];
   }
   Vec3 halves(const Mat3& axes, const Vec3& half_m) {
     // For a box along the axes each column has one entry that is not 0; it says which factor applies.
     const Vec3 own = even_ ? factor_ : Vec3(axes.cwiseAbs().transpose() * factor_);
     const Vec3 product = half_m.cwiseProduct(own);
-    need(product.allFinite(), "a length would be too large for a double");
+    need(wire_contract::are_coordinates(product), "a length would exceed 1e290 m");
     return product;
   }
 
@@ -107,6 +109,31 @@ std::string scale(Shape& shape, const Vec3& factor) {
   }
   if (shape.mesh) shape.mesh = scaling.scaled(*shape.mesh);
   return scaling.refusal();
+}
+
+std::string beyond_limit(const Vec3& point) {
+  if (wire_contract::are_coordinates(point)) return {};
+  return fmt::format("({}, {}, {}) m, allowed are numbers up to 1e290", point[0], point[1], point[2]);
+}
+
+std::string beyond_limit(const TriangleMesh& mesh) {
+  for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
+    if (std::string reason = beyond_limit(mesh.vertices[i]); !reason.empty())
+      return fmt::format("vertex {} is {}", i, reason);
+  }
+  return {};
+}
+
+std::string beyond_limit(const Shape& shape) {
+  for (std::size_t i = 0; i < shape.primitives.size(); ++i) {
+    const auto* ground = std::get_if<HalfSpace>(&shape.primitives[i]);
+    const Aabb box = ground != nullptr ? Aabb{ground->point, ground->point} : bounds(shape.primitives[i]);
+    for (const Vec3& corner : {box.low, box.high}) {
+      if (std::string reason = beyond_limit(corner); !reason.empty())
+        return fmt::format("primitive {} reaches to {}", i, reason);
+    }
+  }
+  return shape.mesh ? beyond_limit(*shape.mesh) : std::string();
 }
 
 }  // namespace collided::engine

@@ -115,7 +115,7 @@ class BoxTableReader {
     const char* const begin = cell.data() + (cell.starts_with('+') ? 1 : 0);
     const auto [end, error] = std::from_chars(begin, cell.data() + cell.size(), value);
     if (error != std::errc{} || end != cell.data() + cell.size() || !std::isfinite(value)) {
-      complain(fmt::format("{} in column {} is no finite number", quoted(cell), quoted(heading_[column])));
+      complain(fmt::format("{} in column {} is no finite number", in_quotes(cell), in_quotes(heading_[column])));
     }
     return value;
   }
@@ -127,7 +127,7 @@ class BoxTableReader {
   void add_box(const Cells& cells) {
     if (cells.size() != heading_.size())
       complain(fmt::format("{} columns, the heading has {}", cells.size(), heading_.size()));
-    if (type_ && cells[*type_] != "box") complain(fmt::format("type {}; only box is read", quoted(cells[*type_])));
+    if (type_ && cells[*type_] != "box") complain(fmt::format("type {}; only box is read", in_quotes(cells[*type_])));
     if (scene_.objects.size() == kMaxCloudPoints) complain(fmt::format("more than {} boxes", kMaxCloudPoints));
     SceneObject object;
     object.name = name_ ? std::string(cells[*name_]) : fmt::format("box_{}", scene_.objects.size());

@@ -44,10 +44,10 @@ class CityReader {
     if (type == "CityJSONFeature")
       refuse(reading_, "a CityJSON sequence, a feature a line, is not read; join its features to one CityJSON");
     if (type != "CityJSON")
-      refuse(reading_, fmt::format("its \"type\" is {}, only \"CityJSON\" is read", quoted(std::string_view(type))));
+      refuse(reading_, fmt::format("its \"type\" is {}, only \"CityJSON\" is read", in_quotes(std::string_view(type))));
     const std::string version = root_.text_or("version", "");
     if (!version.starts_with("1.") && !version.starts_with("2.")) {
-      refuse(reading_, fmt::format("CityJSON version {}, read are 1.x and 2.x", quoted(std::string_view(version))));
+      refuse(reading_, fmt::format("CityJSON version {}, read are 1.x and 2.x", in_quotes(std::string_view(version))));
     }
   }
 

@@ -98,7 +98,7 @@ std::span<const char> GltfBuffers::open(const Reading& reading, const JsonView& 
       const bool leaves = path.is_absolute() || path.empty() || *path.begin() == "..";
       if (leaves || reading.folder.empty()) {
         uri.complain(fmt::format("is {}; only files in the folder of this one and below it are read",
-                                 quoted(std::string_view(text))));
+                                 in_quotes(text, kShownOfPath)));
       }
       const auto full = (std::filesystem::path(reading.folder) / path).string();
       files_.push_back(std::make_unique<FileBytes>(full, FileBytes::Access::copied, reading.options));

@@ -300,7 +300,7 @@ class GltfReader {
 void check_asset(const Reading& reading, const JsonView& root) {
   const std::string version = root.at("asset").text_or("version", "");
   if (!version.starts_with("2.")) {
-    refuse(reading, fmt::format("glTF version {}; only 2.x is read", quoted(std::string_view(version))));
+    refuse(reading, fmt::format("glTF version {}; only 2.x is read", in_quotes(std::string_view(version))));
   }
   for (std::size_t i = 0; i < root.size_of("extensionsRequired"); ++i) {
     const std::string name = root.element("extensionsRequired", i).text();

@@ -22,7 +22,7 @@ std::optional<ImplicitSurface> find_implicit_surface(const Reading& reading, std
     if (cursor.word() != name) continue;
     const std::string_view kind = cursor.word();
     if (kind == "implicit") return rest_as_implicit_surface(cursor);
-    cursor.complain(fmt::format("{} is of kind {}, not implicit", quoted(name), quoted(kind)));
+    cursor.complain(fmt::format("{} is of kind {}, not implicit", in_quotes(name), in_quotes(kind)));
   }
   return std::nullopt;
 }

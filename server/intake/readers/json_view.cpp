@@ -20,7 +20,7 @@ json parse_json(const Reading& reading, std::string_view text) {
     const auto before = static_cast<std::size_t>(text.data() - reading.begin());
     refuse_byte(reading, before + error.byte, "the JSON text breaks off or is wrong here");
   } catch (const json::exception& error) {  // a number out of range
-    refuse(reading, fmt::format("the JSON text is wrong: {}", quoted(std::string_view(error.what()))));
+    refuse(reading, fmt::format("the JSON text is wrong: {}", in_quotes(std::string_view(error.what()))));
   }
 }
 

@@ -50,13 +50,13 @@ class OctomapReader {
       if (key == "data") break;
       if (key == "id") {
         if (const std::string_view id = cursor.word(); id != "OcTree")
-          cursor.complain(fmt::format("a tree of kind {}; only OcTree is read", quoted(id)));
+          cursor.complain(fmt::format("a tree of kind {}; only OcTree is read", in_quotes(id)));
       } else if (key == "res") {
         cell_m_ = cursor.finite_number("resolution");
       } else if (key == "size") {
         reported_nodes_ = cursor.integer("number of nodes");
       } else {
-        cursor.complain(fmt::format("{} is no word of the header", quoted(key)));
+        cursor.complain(fmt::format("{} is no word of the header", in_quotes(key)));
       }
       cursor.next_line();
     }

@@ -44,7 +44,7 @@ class OffReader {
       if (word.starts_with(prefix)) { word.remove_prefix(prefix.size()); }
     }
     if (word != "OFF") {
-      cursor_.complain(fmt::format("{} is not OFF, COFF, NOFF, CNOFF or one of these after ST", quoted(whole)));
+      cursor_.complain(fmt::format("{} is not OFF, COFF, NOFF, CNOFF or one of these after ST", in_quotes(whole)));
     }
     cursor_ = ahead;
     if (!cursor_.at_line_end()) {

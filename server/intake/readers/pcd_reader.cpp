@@ -72,7 +72,7 @@ class PcdHeaderReader {
       header_.data = cursor_.word();
       if (header_.data.empty()) cursor_.complain("DATA of no kind");
     } else if (key != "VERSION" && key != "VIEWPOINT") {
-      cursor_.complain(fmt::format("{} is no word of a PCD header", quoted(key)));
+      cursor_.complain(fmt::format("{} is no word of a PCD header", in_quotes(key)));
     }
   }
 
@@ -86,7 +86,7 @@ class PcdHeaderReader {
   char type() {
     const std::string_view word = cursor_.word();
     if (word != "F" && word != "I" && word != "U")
-      cursor_.complain(fmt::format("type {}, allowed are F, I and U", quoted(word)));
+      cursor_.complain(fmt::format("type {}, allowed are F, I and U", in_quotes(word)));
     return word[0];
   }
 
@@ -191,8 +191,8 @@ class PcdReader {
     else if (data == "binary") read_binary();
     else if (data == "binary_compressed") read_compressed();
     else
-      refuse(reading_,
-             fmt::format("DATA {}, allowed are ascii, binary and binary_compressed", quoted(std::string_view(data))));
+      refuse(reading_, fmt::format("DATA {}, allowed are ascii, binary and binary_compressed",
+                                   in_quotes(std::string_view(data))));
     if (cloud_.shape.primitives.empty()) refuse(reading_, "no points");
     if (missing_count_ > 0) {
       reading_.report.refused.push_back(fmt::format("{} points that are NaN (not measured) left out", missing_count_));

@@ -63,10 +63,10 @@ class HeaderParser {
   // a line cannot be about the rows.
   void skip_stray_line(std::string_view keyword) {
     if (!header_.elements.empty() || reading_.options.strict) {
-      cursor_.complain(fmt::format("{} is no word of a PLY header", quoted(keyword)));
+      cursor_.complain(fmt::format("{} is no word of a PLY header", in_quotes(keyword)));
     }
     reading_.report.mended.push_back(
-        fmt::format("1 header line that begins with {} taken for a comment", quoted(keyword)));
+        fmt::format("1 header line that begins with {} taken for a comment", in_quotes(keyword)));
   }
 
   void parse_format() {
@@ -78,17 +78,18 @@ class HeaderParser {
     } else if (name == "binary_big_endian") {
       header_.format = PlyFormat::big_endian;
     } else {
-      cursor_.complain(fmt::format("format {} is not ascii, binary_little_endian or binary_big_endian", quoted(name)));
+      cursor_.complain(
+          fmt::format("format {} is not ascii, binary_little_endian or binary_big_endian", in_quotes(name)));
     }
   }
 
   void parse_element() {
     PlyElement element{.name = cursor_.word(), .properties = {}};
     const std::int64_t count = cursor_.integer("element count");
-    if (count < 0) { cursor_.complain(fmt::format("element {} has {} rows", quoted(element.name), count)); }
+    if (count < 0) { cursor_.complain(fmt::format("element {} has {} rows", in_quotes(element.name), count)); }
     for (const PlyElement& other : header_.elements) {
       if (other.name == element.name) {
-        cursor_.complain(fmt::format("element {} stands there twice", quoted(element.name)));
+        cursor_.complain(fmt::format("element {} stands there twice", in_quotes(element.name)));
       }
     }
     element.row_count = static_cast<std::uint64_t>(count);
@@ -112,7 +113,7 @@ class HeaderParser {
 
   PlyType parse_type(std::string_view name) {
     const std::optional<PlyType> type = type_named(name);
-    if (!type) { cursor_.complain(fmt::format("{} is no type of PLY", quoted(name))); }
+    if (!type) { cursor_.complain(fmt::format("{} is no type of PLY", in_quotes(name))); }
     return *type;
   }
 
@@ -127,7 +128,7 @@ class HeaderParser {
       }
       if (row_bytes > 0 && element.row_count > room / row_bytes) {
         refuse(reading_, fmt::format("header claims {} rows of element {}, the file has room for {}", element.row_count,
-                                     quoted(element.name), room / row_bytes));
+                                     in_quotes(element.name), room / row_bytes));
       }
     }
   }

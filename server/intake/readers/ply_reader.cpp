@@ -177,7 +177,7 @@ class PlyBodyReader {
     int list = element.find("vertex_indices");
     list = list < 0 ? element.find("vertex_index") : list;
     if (list < 0 || !element.properties[static_cast<std::size_t>(list)].count_type) {
-      refuse(reading_, fmt::format("element {} has no list 'vertex_indices'", quoted(element.name)));
+      refuse(reading_, fmt::format("element {} has no list 'vertex_indices'", in_quotes(element.name)));
     }
     if (!is_strip) { check_triangle_count(reading_, element.row_count); }
     std::vector<std::int64_t> numbers;
@@ -257,7 +257,7 @@ class PlyBodyReader {
     }
     if (element.row_count > 0) {
       reading_.report.refused.push_back(
-          fmt::format("{} rows of element {} left out", element.row_count, quoted(element.name)));
+          fmt::format("{} rows of element {} left out", element.row_count, in_quotes(element.name)));
     }
   }
 

@@ -79,7 +79,7 @@ class PolynomialReader {
       complain(fmt::format("{} after ^; a whole number from 0 to {} is needed", found(), ImplicitSurface::kMostDegree));
     if (error != std::errc{} || exponent > ImplicitSurface::kMostDegree) {
       complain(fmt::format("exponent {}, allowed are 0 to {}",
-                           quoted(text_.substr(at_, static_cast<std::size_t>(stop - text_.data()) - at_)),
+                           in_quotes(text_.substr(at_, static_cast<std::size_t>(stop - text_.data()) - at_)),
                            ImplicitSurface::kMostDegree));
     }
     at_ = static_cast<std::size_t>(stop - text_.data());
@@ -117,7 +117,7 @@ class PolynomialReader {
     if (error == std::errc::invalid_argument) complain(fmt::format("{} is no number", found()));
     // A number that is too small for a double is refused: with 0 instead it would be another polynomial.
     if (error != std::errc{} || !std::isfinite(value))
-      complain(fmt::format("number {} is beyond the doubles (4.9e-324 to 1.8e308)", quoted(digits)));
+      complain(fmt::format("number {} is beyond the doubles (4.9e-324 to 1.8e308)", in_quotes(digits)));
     at_ += digits.size();
     return value;
   }
@@ -192,7 +192,7 @@ class PolynomialReader {
     std::string hint;
     if (continues) hint = " without an operator before it: products are written with *";
     if (c == '/') hint = ": a quotient is no polynomial; of a number, write 0.5*x";
-    return quoted(text_.substr(at_, 1)) + hint;
+    return in_quotes(text_.substr(at_, 1)) + hint;
   }
   [[noreturn]] void complain(const std::string& what) const {
     throw std::invalid_argument(fmt::format("column {}: {}", at_ + 1, what));

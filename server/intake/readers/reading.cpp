@@ -22,11 +22,10 @@ void refuse_byte(const Reading& reading, std::size_t byte, const std::string& wh
   refuse(reading, fmt::format("byte {}: {}", byte, what));
 }
 
-std::string quoted(std::string_view piece) {
-  constexpr std::size_t kShown = 40;
+std::string in_quotes(std::string_view piece, std::size_t shown) {
   std::string text = "'";
-  for (const char c : piece.substr(0, kShown)) { text += c >= ' ' && c <= '~' ? c : '?'; }
-  return text + (piece.size() > kShown ? "...'" : "'");
+  for (const char c : piece.substr(0, shown)) { text += c >= ' ' && c <= '~' ? c : '?'; }
+  return text + (piece.size() > shown ? "...'" : "'");
 }
 
 void tell_progress(const Reading& reading, double fraction) {

@@ -41,8 +41,12 @@ struct Reading {
 /// The same with the byte: "bunny.stl: byte 684: WHAT. Nothing was loaded."
 [[noreturn]] void refuse_byte(const Reading& reading, std::size_t byte, const std::string& what);
 
-/// A piece of the file for a message: cut to 40 bytes, printable ASCII only, in quotes.
-std::string quoted(std::string_view piece);
+/// Bytes that a message shows of a word in a file, and of a path: two paths often differ only in their last part.
+constexpr std::size_t kShownOfWord = 40;
+constexpr std::size_t kShownOfPath = 240;
+
+/// A piece of the file for a message: cut to `shown` bytes, printable ASCII only, in quotes.
+std::string in_quotes(std::string_view piece, std::size_t shown = kShownOfWord);
 
 /// Throws a LoadError where the caller has cancelled the load, else reports progress, a fraction in [0, 1].
 /// threads   only the one that called load_scene

@@ -29,28 +29,22 @@ LinkPairs read_srdf(const std::string& text, const std::string& file) {
   return pairs;
 }
 
-std::string allow_pairs(const LinkPairs& pairs, std::vector<SceneObject>& objects, std::uint64_t& unknown_count) {
-  // Layer 0 belongs to everything else, with which all links may collide.
-  constexpr std::size_t kMostLinks = 31;
-  if (objects.size() > kMostLinks) {
-    return fmt::format("{} links with collision shapes; pairs can be told apart for {}", objects.size(), kMostLinks);
+std::uint64_t allow_pairs(const LinkPairs& pairs, Scene& scene) {
+  std::unordered_map<std::string_view, std::uint32_t> number_of;
+  for (SceneObject& object : scene.objects) {
+    object.number = static_cast<std::uint32_t>(number_of.size());
+    number_of.emplace(object.name, object.number);
   }
-  std::unordered_map<std::string, std::size_t> number_of;
-  for (std::size_t i = 0; i < objects.size(); ++i) {
-    number_of[objects[i].name] = i;
-    objects[i].filter = {.layers = 1u << (i + 1)};
-  }
+  std::vector<NumberPair> allowed;
+  std::uint64_t unknown_count = 0;
   for (const auto& [one, other] : pairs) {
     const auto a = number_of.find(one);
     const auto b = number_of.find(other);
-    if (a == number_of.end() || b == number_of.end()) {
-      ++unknown_count;
-      continue;
-    }
-    objects[a->second].filter.mask &= ~objects[b->second].filter.layers;
-    objects[b->second].filter.mask &= ~objects[a->second].filter.layers;
+    if (a == number_of.end() || b == number_of.end()) ++unknown_count;
+    else allowed.emplace_back(a->second, b->second);
   }
-  return {};
+  scene.allowed_pairs = std::make_shared<const AllowedPairs>(std::move(allowed));
+  return unknown_count;
 }
 
 }  // namespace collided::engine

@@ -15,9 +15,9 @@ using LinkPairs = std::vector<std::pair<std::string, std::string>>;
 /// file   its name in messages
 LinkPairs read_srdf(const std::string& text, const std::string& file);
 
-/// Sets the objects' filters so that contacts of those pairs are ignored, and no others. Pairs with a name that no
-/// object has are counted and left out. Each object gets a layer of its own, so there may be 31 at most.
-/// returns   why it is not possible; empty: done
-std::string allow_pairs(const LinkPairs& pairs, std::vector<SceneObject>& objects, std::uint64_t& unknown_count);
+/// Numbers the scene's objects and allows those pairs, and no others, to touch. A pair with a name that no object has
+/// is counted and left out.
+/// returns   how many were left out
+std::uint64_t allow_pairs(const LinkPairs& pairs, Scene& scene);
 
 }  // namespace collided::engine

@@ -119,7 +119,7 @@ class StlTextReader {
       } else if (is_word(word, "endsolid")) {
         cursor_.next_line();
       } else if (!is_word(word, "outer") && !is_word(word, "loop") && !is_word(word, "endfacet")) {
-        cursor_.complain(fmt::format("{} is no word of STL", quoted(word)));
+        cursor_.complain(fmt::format("{} is no word of STL", in_quotes(word)));
       }
     }
     if (!loop_.empty()) { cursor_.complain("the file ends inside a facet"); }

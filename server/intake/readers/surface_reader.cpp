@@ -75,7 +75,7 @@ class SurfaceReader {
     rest_as_implicit_surface(cursor_);
     reading_.report.refused.push_back(
         fmt::format("{}: an implicit surface is not cut into triangles and left out here; 'collide implicit' asks it",
-                    quoted(std::string_view(name))));
+                    in_quotes(std::string_view(name))));
   }
 
   double parse(const std::string& word) {
@@ -83,7 +83,7 @@ class SurfaceReader {
     try {
       return TextCursor(one, word, TextCursor::LineEnd::newline, false).finite_number("number");
     } catch (const LoadError&) {
-      cursor_.complain(fmt::format("{} is no number, nor 'at', 'count' or 'error'", quoted(std::string_view(word))));
+      cursor_.complain(fmt::format("{} is no number, nor 'at', 'count' or 'error'", in_quotes(std::string_view(word))));
     }
   }
 
@@ -122,7 +122,7 @@ class SurfaceReader {
     if (kind == "torus") return need(2), tessellate_torus(n[0], n[1], fineness);
     if (kind == "waves") return need(5), tessellate_heights(waves(), fineness);
     if (kind == "patch") return tessellate_patch(patch(), fineness);
-    throw std::invalid_argument(fmt::format("surface {}, allowed are: {}", quoted(std::string_view(kind)), kKinds));
+    throw std::invalid_argument(fmt::format("surface {}, allowed are: {}", in_quotes(std::string_view(kind)), kKinds));
   }
 
   /// z = amplitude sin(kx x) sin(ky y) about the origin.
@@ -173,7 +173,7 @@ class SurfaceReader {
                             .triangle_count = static_cast<std::uint32_t>(surface.mesh.triangles.size())});
     // Moving the surface rounds each coordinate once more.
     reading_.report.notes.push_back(fmt::format("{}: {} as {} triangles, off by at most {:.3g} of the file's units",
-                                                quoted(std::string_view(name)), kind, surface.mesh.triangles.size(),
+                                                in_quotes(std::string_view(name)), kind, surface.mesh.triangles.size(),
                                                 kRoundedUp * (surface.off_by_m + 4 * kRoundoff * reach)));
   }
 

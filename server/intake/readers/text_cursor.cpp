@@ -91,11 +91,11 @@ double TextCursor::finite_number(std::string_view what) {
   const char* digits = *begin == '+' && end_ - begin > 1 && begin[1] != '-' ? begin + 1 : begin;
   double value = 0;
   const auto [stop, error] = std::from_chars(digits, end_, value);
-  if (error == std::errc::invalid_argument) { complain(fmt::format("{} {} is not a number", what, quoted(word()))); }
+  if (error == std::errc::invalid_argument) { complain(fmt::format("{} {} is not a number", what, in_quotes(word()))); }
   at_ = stop;
   if (!at_blank_or_end()) {
     at_ = begin;
-    complain(fmt::format("{} {} is not a number", what, quoted(word())));
+    complain(fmt::format("{} {} is not a number", what, in_quotes(word())));
   }
   if (error == std::errc::result_out_of_range) {
     value = is_tiny({digits, static_cast<std::size_t>(stop - digits)}) ? 0 : std::numeric_limits<double>::infinity();
@@ -103,7 +103,7 @@ double TextCursor::finite_number(std::string_view what) {
   if (!std::isfinite(value)) {
     at_ = begin;
     const bool is_written_out = *digits != 'n' && *digits != 'N' && *digits != 'i' && *digits != 'I' && *digits != '-';
-    complain(fmt::format("{} {} is {}", what, quoted(word()),
+    complain(fmt::format("{} {} is {}", what, in_quotes(word()),
                          is_written_out ? "too large for a double (limit 1.8e308)" : "not finite"));
   }
   return value;
@@ -115,7 +115,7 @@ std::int64_t TextCursor::integer(std::string_view what) {
   const std::int64_t value = integer_prefix(what);
   if (!at_blank_or_end()) {
     at_ = begin;
-    complain(fmt::format("{} {} is not a whole number", what, quoted(word())));
+    complain(fmt::format("{} {} is not a whole number", what, in_quotes(word())));
   }
   return value;
 }
@@ -127,7 +127,7 @@ std::int64_t TextCursor::integer_prefix(std::string_view what) {
   const auto [stop, error] = std::from_chars(at_, end_, value);
   if (error != std::errc{}) {
     at_ = begin;
-    complain(fmt::format("{} {} is not a whole number of 64 bits", what, quoted(word())));
+    complain(fmt::format("{} {} is not a whole number of 64 bits", what, in_quotes(word())));
   }
   at_ = stop;
   return value;

@@ -7,7 +7,6 @@
 #include <unordered_map>
 
 #include "server/intake/file_bytes.hpp"
-#include "server/intake/mixed.hpp"
 #include "server/intake/readers/robot_packages.hpp"
 #include "server/intake/readers/reading.hpp"
 #include "server/intake/readers/srdf.hpp"
@@ -50,10 +49,10 @@ class UrdfReader {
       refuse(reading_,
              fmt::format("{} not there, the first is {}; {}",
                          missing_.size() == 1 ? "1 mesh file is" : fmt::format("{} mesh files are", missing_.size()),
-                         quoted(std::string_view(missing_[0])), packages_.advice(missing_[0])));
+                         in_quotes(missing_[0], kShownOfPath), packages_.advice(missing_[0])));
     }
     if (scene_.objects.empty()) refuse(reading_, "no link has a collision shape");
-    set_filters(robot.attribute("name").value());
+    allow_pairs_of_links();
     return std::move(scene_);
   }
 
@@ -71,7 +70,7 @@ class UrdfReader {
   Vec3 numbers(const pugi::xml_attribute& attribute, const Vec3& otherwise) const {
     if (!attribute) return otherwise;
     const std::string_view text = attribute.value();
-    const Reading inside{fmt::format("{}: attribute {} {}", reading_.file, attribute.name(), quoted(text)), text,
+    const Reading inside{fmt::format("{}: attribute {} {}", reading_.file, attribute.name(), in_quotes(text)), text,
                          reading_.options, reading_.report};
     TextCursor cursor(inside, text, TextCursor::LineEnd::newline, false);
     Vec3 result;
@@ -97,7 +96,8 @@ class UrdfReader {
     std::size_t link_count = 0;
     for (const pugi::xml_node link : robot.children("link")) {
       const auto [entry, is_new] = parent_counts.try_emplace(link.attribute("name").value(), 0);
-      if (!is_new) refuse(reading_, fmt::format("two links have the name {}", quoted(std::string_view(entry->first))));
+      if (!is_new)
+        refuse(reading_, fmt::format("two links have the name {}", in_quotes(std::string_view(entry->first))));
       if (++link_count > kMaxLinks) refuse(reading_, fmt::format("more than {} links", kMaxLinks));
     }
     for (const pugi::xml_node node : robot.children("joint")) {
@@ -106,11 +106,11 @@ class UrdfReader {
       for (const std::string* name : {&joint.parent, &joint.child}) {
         if (!parent_counts.contains(*name)) {
           refuse(reading_, fmt::format("joint {} names the link {}, which is not there",
-                                       quoted(node.attribute("name").value()), quoted(std::string_view(*name))));
+                                       in_quotes(node.attribute("name").value()), in_quotes(std::string_view(*name))));
         }
       }
       if (++parent_counts[joint.child] > 1)
-        refuse(reading_, fmt::format("link {} is the child of two joints", quoted(std::string_view(joint.child))));
+        refuse(reading_, fmt::format("link {} is the child of two joints", in_quotes(std::string_view(joint.child))));
       moving_joint_count_ += joint.moves ? 1 : 0;
       joints_below[joint.parent].push_back(std::move(joint));
     }
@@ -162,7 +162,7 @@ class UrdfReader {
       add_mesh(file, pose, mesh);
     } else {
       refuse(reading_, fmt::format("a collision geometry {}; read are box, sphere, cylinder, capsule and mesh",
-                                   quoted(geometry.first_child().name())));
+                                   in_quotes(geometry.first_child().name())));
     }
   }
 
@@ -181,7 +181,7 @@ class UrdfReader {
     options.cancelled = reading_.options.cancelled;
     LoadReport report;
     const Scene part = load_scene(path.string(), options, report);
-    if (!part.objects.empty()) refuse(reading_, fmt::format("{} is no mesh", quoted(std::string_view(name))));
+    if (!part.objects.empty()) refuse(reading_, fmt::format("{} is no mesh", in_quotes(name, kShownOfPath)));
     for (const std::string& line : report.refused)
       reading_.report.refused.push_back(path.filename().string() + ": " + line);
     for (const std::string& line : report.warnings)
@@ -192,7 +192,7 @@ class UrdfReader {
     for (const Vec3& vertex : part.mesh.vertices) {
       mesh.vertices.push_back(pose.rotation * vertex.cwiseProduct(scale) + pose.position);
       if (!mesh.vertices.back().allFinite())
-        refuse(reading_, fmt::format("{} is too large where it is placed", quoted(std::string_view(name))));
+        refuse(reading_, fmt::format("{} is too large where it is placed", in_quotes(name, kShownOfPath)));
     }
     const bool mirrors = scale.prod() < 0;
     for (TriangleCorners corners : part.mesh.triangles) {
@@ -201,25 +201,20 @@ class UrdfReader {
     }
   }
 
-  void set_filters(const std::string& robot) {
+  void allow_pairs_of_links() {
     LoadReport& report = reading_.report;
     if (moving_joint_count_ > 0)
       report.placed.push_back(moving_joint_count_ == 1 ? std::string("1 joint stands at 0")
                                                        : fmt::format("{} joints stand at 0", moving_joint_count_));
     if (reading_.options.srdf.empty()) {
-      std::uint64_t hash = 0;
-      for (const char c : robot) hash = mixed(hash + static_cast<std::uint8_t>(c) + 1);
-      for (SceneObject& object : scene_.objects) object.filter.group = static_cast<std::uint32_t>(hash) | 1;
+      scene_.allowed_pairs = std::make_shared<const AllowedPairs>();  // every pair
       report.warnings.emplace_back(
           "the links never meet each other: without an SRDF file (--srdf) nothing says which of them may touch");
       return;
     }
     const FileBytes bytes(reading_.options.srdf, FileBytes::Access::copied, reading_.options);
     const LinkPairs pairs = read_srdf({bytes.bytes().data(), bytes.bytes().size()}, file_name(reading_.options.srdf));
-    std::uint64_t unknown_count = 0;
-    if (const std::string reason = allow_pairs(pairs, scene_.objects, unknown_count); !reason.empty())
-      refuse(reading_, reason);
-    if (unknown_count > 0) {
+    if (const std::uint64_t unknown_count = allow_pairs(pairs, scene_); unknown_count > 0) {
       report.warnings.push_back(fmt::format("{} of {} pairs in the SRDF file name a link without a collision shape",
                                             unknown_count, pairs.size()));
     }

@@ -101,13 +101,15 @@ class SceneDecoder {
     shape.is_unknown = from.is_unknown();
     if (shape.empty()) { throw Flaw{"shape of nothing"}; }
     if (from.scale() != nullptr) { apply_scale(point(*from.scale(), "scale"), shape); }
+    if (const std::string reason = beyond_limit(shape); !reason.empty()) throw Flaw{reason};
     return shape;
   }
 
-  /// A finite point; `what` names it in a Flaw.
+  /// A point of coordinates; `what` names it in a Flaw.
   Vec3 point(const format::Vec3& from, std::string_view what) const {
     const Vec3 point(from.x(), from.y(), from.z());
-    if (!point.allFinite()) { throw Flaw{fmt::format("{} is ({}, {}, {})", what, point[0], point[1], point[2])}; }
+    if (const std::string reason = beyond_limit(point); !reason.empty())
+      throw Flaw{fmt::format("{} is {}", what, reason)};
     return point;
   }
 
@@ -151,10 +153,7 @@ class SceneDecoder {
 
   /// Finite vertices, and vertex numbers in range.
   void check(const TriangleMesh& mesh) const {
-    for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
-      const Vec3& v = mesh.vertices[i];
-      if (!v.allFinite()) { throw Flaw{fmt::format("vertex {} is ({}, {}, {})", i, v[0], v[1], v[2])}; }
-    }
+    if (const std::string reason = beyond_limit(mesh); !reason.empty()) throw Flaw{reason};
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
         if (mesh.triangles[i][k] >= mesh.vertices.size()) {

@@ -12,7 +12,7 @@
 // Encodes values as tables of idl/scene.fbs.
 namespace collided::engine {
 
-inline constexpr std::uint32_t kSceneFormat = 2;  // 1 had no checksum
+inline constexpr std::uint32_t kSceneFormat = 3;  // 1 had no checksum, 2 no allowed pairs
 /// This bit is set in every checksum, so that none is 0: FlatBuffers does not store a 0.
 inline constexpr std::uint64_t kIsChecksum = std::uint64_t{1} << 32;
 
@@ -95,8 +95,12 @@ class SceneEncoder {
     const auto part_vector = builder_.CreateVector(parts);
     const auto object_vector = builder_.CreateVector(objects);
     const auto collapses = collapse_numbers(from.collapses);
-    format::FinishSceneBuffer(builder_, format::CreateScene(builder_, kSceneFormat, name, mesh_table, part_vector,
-                                                            object_vector, collapses, kIsChecksum));
+    const bool is_every_pair = from.allowed_pairs && from.allowed_pairs->is_every_pair();
+    const auto allowed_pairs = pair_numbers(from);
+    const std::uint32_t format = from.allowed_pairs ? kSceneFormat : kSceneFormat - 1;
+    format::FinishSceneBuffer(
+        builder_, format::CreateScene(builder_, format, name, mesh_table, part_vector, object_vector, collapses,
+                                      kIsChecksum, allowed_pairs, is_every_pair));
   }
 
   /// Makes a shape the root.
@@ -157,6 +161,19 @@ class SceneEncoder {
     return vector;
   }
 
+  /// The objects' allowed pairs by their places in the file.
+  flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> pair_numbers(const Scene& from) {
+    if (!from.allowed_pairs || from.allowed_pairs->pairs().empty()) return 0;
+    std::unordered_map<std::uint32_t, std::uint32_t> place_of;
+    for (std::uint32_t i = 0; i < from.objects.size(); ++i) place_of.emplace(from.objects[i].number, i);
+    std::vector<std::uint32_t> numbers;
+    for (const auto& [low, high] : from.allowed_pairs->pairs()) {
+      if (!place_of.contains(low) || !place_of.contains(high)) continue;
+      numbers.insert(numbers.end(), {place_of.at(low), place_of.at(high)});
+    }
+    return builder_.CreateVector(numbers);
+  }
+
   // A vector that is left out where it is empty.
   template <class Struct>
   flatbuffers::Offset<flatbuffers::Vector<const Struct*>> optional(const std::vector<Struct>& structs) {
@@ -184,6 +201,7 @@ inline std::uint64_t encoded_bytes(const Shape& shape) {
 inline std::uint64_t encoded_bytes(const Scene& scene) {
   std::uint64_t bytes =
       1024 + encoded_bytes(scene.mesh) + scene.name.size() + scene.collapses.size() * sizeof(EdgeCollapse);
+  if (scene.allowed_pairs) bytes += scene.allowed_pairs->pairs().size() * sizeof(NumberPair);
   for (const Part& part : scene.parts) {
     bytes += 128 + part.name.size() + sizeof(std::uint32_t) * part.cut.piece_count();
   }

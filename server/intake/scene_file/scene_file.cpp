@@ -34,9 +34,11 @@ class NameCheck {
   std::string take(const flatbuffers::String& name) {
     const std::string_view text(name.c_str(), name.size());
     if (const std::string flaw = flaw_of_name(text); !flaw.empty()) {
-      throw Flaw{fmt::format("name {} {}", quoted(text), flaw)};
+      throw Flaw{fmt::format("name {} {}", in_quotes(text), flaw)};
     }
-    if (!taken_.insert(text).second) { throw Flaw{fmt::format("two parts or objects have the name {}", quoted(text))}; }
+    if (!taken_.insert(text).second) {
+      throw Flaw{fmt::format("two parts or objects have the name {}", in_quotes(text))};
+    }
     return std::string(text);
   }
 
@@ -53,7 +55,7 @@ CutTriangles decode_pieces(const Table& from, const char* kind, std::uint64_t tr
   for (const std::uint32_t whole : pieces) {
     if (whole >= whole_count) {
       throw Flaw{fmt::format("{} {} has a piece of triangle {}, allowed are those before {}", kind,
-                             quoted(from.name()->string_view()), whole, whole_count)};
+                             in_quotes(from.name()->string_view()), whole, whole_count)};
     }
   }
   return {std::make_shared<const std::vector<std::uint32_t>>(std::move(pieces))};
@@ -89,12 +91,30 @@ CollapseOrder decode_collapses(const format::Scene& from, std::size_t vertex_cou
   return order;
 }
 
+std::shared_ptr<const AllowedPairs> decode_pairs(const format::Scene& from, std::size_t object_count) {
+  if (from.every_pair_allowed()) return std::make_shared<const AllowedPairs>();
+  const auto* numbers = from.allowed_pairs();
+  if (from.format() < kSceneFormat) return nullptr;
+  std::vector<NumberPair> pairs;
+  const std::size_t number_count = numbers == nullptr ? 0 : numbers->size();
+  if (number_count % 2 != 0) throw Flaw{fmt::format("{} numbers of allowed pairs, allowed are twos", number_count)};
+  for (std::uint32_t i = 0; i < number_count; i += 2) {
+    const NumberPair pair(numbers->Get(i), numbers->Get(i + 1));
+    if (pair.high >= object_count) {
+      throw Flaw{
+          fmt::format("allowed pair {} has object {}, allowed are those before {}", i / 2, pair.high, object_count)};
+    }
+    pairs.push_back(pair);
+  }
+  return std::make_shared<const AllowedPairs>(std::move(pairs));
+}
+
 Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::uint64_t max_triangles) {
   SceneDecoder decoder(byte_budget, max_triangles, byte_budget);
   Scene scene;
   scene.name = from.name()->str();
   if (const std::string flaw = flaw_of_name(scene.name); !flaw.empty()) {
-    throw Flaw{fmt::format("scene name {} {}", quoted(scene.name), flaw)};
+    throw Flaw{fmt::format("scene name {} {}", in_quotes(scene.name), flaw)};
   }
   if (from.mesh() != nullptr) { scene.mesh = decoder.mesh(*from.mesh()); }
   scene.collapses = decode_collapses(from, scene.mesh.vertices.size());
@@ -114,9 +134,11 @@ Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::ui
                                pose,
                                filter_of(object.filter()),
                                {},
-                               decode_pieces(object, "object", triangle_count)});
-    } catch (const Flaw& flaw) { throw Flaw{fmt::format("object {}: {}", quoted(name), flaw.what)}; }
+                               decode_pieces(object, "object", triangle_count),
+                               i});
+    } catch (const Flaw& flaw) { throw Flaw{fmt::format("object {}: {}", in_quotes(name), flaw.what)}; }
   }
+  scene.allowed_pairs = decode_pairs(from, scene.objects.size());
   return scene;
 }
 

@@ -108,7 +108,7 @@ class TableDecoder {
   std::string named(const flatbuffers::String& name, std::string_view what) {
     spend(name.size());
     if (const std::string flaw = flaw_of_name(name.string_view()); !flaw.empty())
-      throw Flaw{fmt::format("{} name {} {}", what, quoted(name.string_view()), flaw)};
+      throw Flaw{fmt::format("{} name {} {}", what, in_quotes(name.string_view()), flaw)};
     return name.str();
   }
 
@@ -119,7 +119,7 @@ class TableDecoder {
       TiledPart& to = table.parts.emplace_back();
       to.name = named(*part->name(), "part");
       if (!names.insert(to.name).second)
-        throw Flaw{fmt::format("two parts have the name {}", quoted(std::string_view(to.name)))};
+        throw Flaw{fmt::format("two parts have the name {}", in_quotes(std::string_view(to.name)))};
       if (part->filter() != nullptr)
         to.filter = {part->filter()->layers(), part->filter()->mask(), part->filter()->group()};
       to.bounds = box_of(*part, "part " + to.name);
@@ -143,7 +143,7 @@ class TableDecoder {
     for (const std::uint32_t whole : pieces) {
       if (whole >= whole_count)
         throw Flaw{fmt::format("part {} has a piece of triangle {}, allowed are those before {}",
-                               quoted(part.name()->string_view()), whole, whole_count)};
+                               in_quotes(part.name()->string_view()), whole, whole_count)};
     }
     return {.piece_of = std::make_shared<const std::vector<std::uint32_t>>(std::move(pieces))};
   }

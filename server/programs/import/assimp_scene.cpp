@@ -9,6 +9,7 @@
 #include <assimp/Importer.hpp>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <string>
 #include <string_view>
 #include <unordered_map>
@@ -179,7 +180,7 @@ class AssimpReader {
       scene_.mesh.vertices.push_back(placement.linear * Vec3(v.x, v.y, v.z) + placement.offset);
       if (!scene_.mesh.vertices.back().allFinite()) {
         throw LoadError(
-            fmt::format("node {}: vertex {} is ({}, {}, {})", quoted(node.mName.C_Str()), i, v.x, v.y, v.z));
+            fmt::format("node {}: vertex {} is ({}, {}, {})", in_quotes(node.mName.C_Str()), i, v.x, v.y, v.z));
       }
     }
     const bool mirrors = placement.linear.determinant() < 0;
@@ -238,15 +239,35 @@ class AssimpReader {
   std::string precision_warning_;
 };
 
+/// Refuses an IFC file of a schema that Assimp misreads: it knows IFC2x3 alone, and ends with a type error or a signal on
+/// others. The schema stands in the header of a STEP file (ISO 10303-21), FILE_SCHEMA(('IFC4')).
+void refuse_other_ifc(const std::string& path) {
+  constexpr std::size_t kHeaderBytes = 65536;
+  std::string head(kHeaderBytes, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(head.data(), static_cast<std::streamsize>(head.size()));
+  head.resize(static_cast<std::size_t>(file.gcount()));
+  if (!head.starts_with("ISO-10303-21")) return;
+  const std::size_t key = head.find("FILE_SCHEMA");
+  const std::size_t open = key == std::string::npos ? key : head.find('\'', key);
+  const std::size_t close = open == std::string::npos ? open : head.find('\'', open + 1);
+  if (close == std::string::npos) return;
+  const std::string schema = head.substr(open + 1, close - open - 1);
+  if (schema.starts_with("IFC") && !schema.starts_with("IFC2X"))
+    throw LoadError(fmt::format("its schema is {}, which is not read yet; IFC2x3 is. Export it as IFC2x3",
+                                in_quotes(std::string_view(schema))));
+}
+
 }  // namespace
 
 Scene read_with_assimp(const std::string& path, const LoadOptions& options, LoadReport& report) {
+  refuse_other_ifc(path);
   Assimp::Importer importer;
   importer.SetPropertyBool(AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION, options.up != 0);
   const aiScene* from = importer.ReadFile(path, aiProcess_Triangulate);
   if (from == nullptr || from->mRootNode == nullptr) {
     const std::string ending = std::filesystem::path(path).extension().string();
-    throw LoadError(fmt::format("it is no readable {} file (Assimp says: {})", ending, importer.GetErrorString()));
+    throw LoadError(fmt::format("it is not a readable {} file (Assimp: {})", ending, importer.GetErrorString()));
   }
   Scene scene = AssimpReader(*from, upright(*from, options, report), options, report).read();
   scene.name = options.name.empty() ? "scene" : options.name;

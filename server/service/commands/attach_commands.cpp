@@ -36,6 +36,15 @@ json Commands::attach(const CommandAsk& ask, const Arguments& arguments) {
                                  printable(with_.loop.publisher_name(info.publisher)),
                                  with_.loop.publishers().is_live(info.publisher) ? "" : ", and may come back"),
                      "what no publisher has can be attached, such as what add puts there");
+  // The parent leaves this shard, and the child would stay behind: no other shard knows of it.
+  const ObjectInfo& carrier = *world.info(parent);
+  if (with_.loop.publishers().is_in_several_shards(carrier.publisher))
+    throw BadCommand(
+        fmt::format("object {} cannot be attached to {}: publisher {} moves that from shard to shard, and {} "
+                    "would stay in this one. It is not attached",
+                    printable(info.name), printable(carrier.name),
+                    printable(with_.loop.publisher_name(carrier.publisher)), printable(info.name)),
+        "have that publisher move both");
   // Where the two are to each other is taken from poses that a step has examined.
   if (world.has_moved(child) || world.has_moved(parent)) with_.loop.step_now();
   if (const std::optional<Refusal> refusal = world.attach(child, parent, arguments.pose("pose")))

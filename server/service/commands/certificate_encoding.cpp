@@ -1,6 +1,7 @@
 #include "server/service/commands/certificate_encoding.hpp"
 
 #include <cmath>
+#include <nlohmann/json.hpp>
 
 #include "server/service/commands/object_description.hpp"
 

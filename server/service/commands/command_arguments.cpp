@@ -6,12 +6,26 @@
 #include <cmath>
 #include <vector>
 
+#include "idl/outside_text.hpp"
+#include "idl/question_rules.hpp"
 #include "server/service/questions/nearest_word.hpp"
 #include "server/service/questions/validation.hpp"
 
 namespace collided::engine::service {
+namespace {
 
-Arguments::Arguments(const std::string& text) : arguments_(nlohmann::json::parse(text, nullptr, false)) {
+static_assert(wire_contract::kMostCoordinate == 1e290, "the texts below name it");
+
+bool is_coordinate(const nlohmann::json& value) {
+  return value.is_number() && wire_contract::is_coordinate(value.get<double>());
+}
+
+}  // namespace
+
+Arguments::Arguments(const std::string& text) {
+  if (wire_contract::nests_too_deep(text))
+    throw BadCommand(fmt::format("a command's text nests deeper than {} levels", wire_contract::kMostJsonDepth));
+  arguments_ = nlohmann::json::parse(text, nullptr, false);
   if (!arguments_.is_object()) throw BadCommand("a command's text is not a JSON object");
   const auto command = arguments_.find("command");
   if (command == arguments_.end() || !command->is_string()) throw BadCommand("a command without its name");
@@ -25,9 +39,9 @@ const nlohmann::json* Arguments::find(const char* name) const {
 }
 
 void Arguments::refuse(const char* name, const std::string& allowed) const {
-  throw BadCommand(fmt::format("{}: '{}' is {}; allowed: {}", command_, name,
-                               arguments_[name].dump(-1, ' ', false, nlohmann::json::error_handler_t::replace),
-                               allowed));
+  throw BadCommand(fmt::format(
+      "{}: '{}' is {}; allowed: {}", command_, name,
+      wire_contract::shown(arguments_[name].dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)), allowed));
 }
 
 bool Arguments::is_solid_by_winding() const {
@@ -63,7 +77,7 @@ bool Arguments::truth(const char* name, bool otherwise) const {
 double Arguments::number(const char* name, double otherwise) const {
   const nlohmann::json* value = find(name);
   if (!value) return otherwise;
-  if (!value->is_number() || !std::isfinite(value->get<double>())) refuse(name, "a finite number");
+  if (!is_coordinate(*value)) refuse(name, "a number up to 1e290");
   return value->get<double>();
 }
 
@@ -88,20 +102,16 @@ std::vector<std::string> Arguments::texts(const char* name) const {
 std::optional<Vec3> Arguments::vector(const char* name) const {
   const nlohmann::json* value = find(name);
   if (!value) return std::nullopt;
-  const bool good =
-      value->is_array() && value->size() == 3 &&
-      std::all_of(value->begin(), value->end(), [](const nlohmann::json& item) { return item.is_number(); });
-  if (!good) refuse(name, "three numbers");
+  const bool good = value->is_array() && value->size() == 3 && std::all_of(value->begin(), value->end(), is_coordinate);
+  if (!good) refuse(name, "three numbers up to 1e290");
   return Vec3((*value)[0].get<double>(), (*value)[1].get<double>(), (*value)[2].get<double>());
 }
 
 std::vector<double> Arguments::numbers(const char* name) const {
   const nlohmann::json* value = find(name);
   if (!value) return {};
-  const bool good = value->is_array() && std::all_of(value->begin(), value->end(), [](const nlohmann::json& item) {
-                      return item.is_number() && std::isfinite(item.get<double>());
-                    });
-  if (!good) refuse(name, "a list of finite numbers");
+  const bool good = value->is_array() && std::all_of(value->begin(), value->end(), is_coordinate);
+  if (!good) refuse(name, "a list of numbers up to 1e290");
   return value->get<std::vector<double>>();
 }
 

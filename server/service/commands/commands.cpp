@@ -113,7 +113,8 @@ std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& ar
     return fmt::format("the keys give no right to {}. Nothing was done", kWhat[static_cast<std::size_t>(right)]);
   if (with_.is_replica && ask.client != 0 && right != wire_contract::QueryRight::ask)
     return "this is a replica: what changes the world goes to its primary. Nothing was done";
-  if (!ask.from.peer || ask.from.peer->objects.empty() || right == wire_contract::QueryRight::ask) return {};
+  const bool only_looks = right == wire_contract::QueryRight::ask || right == wire_contract::QueryRight::greet;
+  if (!ask.from.peer || ask.from.peer->objects.empty() || only_looks) return {};
   // What comes or goes by these is known later; they look at each object. A file does nothing until it is loaded.
   for (const char* later : {names::kRemove, names::kProbe, names::kLoad, names::kClear, names::kUpload, names::kPiece,
                             names::kFence, names::kAttach, names::kDetach}) {
@@ -325,7 +326,7 @@ json Commands::get(const CommandAsk&, const Arguments& arguments) {
   return object;
 }
 
-/// What a publisher has defined and the world does not have.
+/// Objects that a publisher has sent and the world lacks.
 json Commands::left_out(const CommandAsk&, const Arguments& arguments) {
   constexpr std::size_t kMost = 20;
   arguments.allow_only({"publisher"});
@@ -333,7 +334,13 @@ json Commands::left_out(const CommandAsk&, const Arguments& arguments) {
   json objects = json::array();
   for (const Publishers::LeftOut& object : with_.loop.publishers().left_out(publisher, kMost))
     objects.push_back({{"name", object.name}, {"why", object.why}});
-  return {{"objects", objects}, {"version", with_.loop.world().newest()->version}};
+  json answer{{"objects", objects},
+              {"count", with_.loop.publishers().left_out_count(publisher)},
+              {"merged", with_.loop.publishers().merged_poses(publisher)},
+              {"version", with_.loop.world().newest()->version}};
+  if (std::string why = with_.why_refused ? with_.why_refused(publisher) : std::string(); !why.empty())
+    answer["refused"] = std::move(why);
+  return answer;
 }
 
 json Commands::settled(const CommandAsk& ask, const Arguments& arguments) {

@@ -67,6 +67,8 @@ class Commands {
     std::function<std::string(const std::string&)> hand_over = {};
     bool is_replica = false;                          // what changes the world is the primary's to do
     std::function<std::uint64_t()> predecessor = {};  // the server whose place this one has taken; 0: none
+    // Why a publisher's samples are not taken; empty: they are. On the world's thread
+    std::function<std::string(std::uint64_t)> why_refused = {};
   };
 
   /// uploads  folder for files that clients send; empty: none are taken

@@ -177,32 +177,34 @@ json Commands::fence(const CommandAsk& ask, const Arguments& arguments) {
   } else {
     asks.push_back(ask);
   }
-  std::vector<std::pair<std::string, CommandAsk>> kept;
-  std::size_t done = 0;
-  const auto keep = [&] {
-    // Whoever moves something after the answer finds the fence there.
-    if (done > 0) step();
-    if (with_.durable != nullptr) with_.durable->fences_set(kept);
-    if (with_.changed && ask.client != 0) {
-      for (const auto& [name, one] : kept) with_.changed(one);
-    }
-  };
-  json added = json::array();
+  // All or nothing: recordings and servers that follow know a command as done or refused.
+  std::vector<std::string> added;
   try {
-    for (; done < asks.size(); ++done) {
-      const Arguments own(asks[done].text);
-      add_fence(asks[done], own);
-      if (asks.size() == 1) added.push_back(own.text("name"));
-      if (own.truth("keep", false)) kept.emplace_back(own.text("name"), asks[done]);
+    for (const CommandAsk& one : asks) {
+      const Arguments own(one.text);
+      add_fence(one, own);
+      added.push_back(own.text("name"));
     }
   } catch (const BadCommand& bad) {
-    keep();
+    for (const std::string& name : added) with_.loop.world().remove_fence(name);
     if (asks.size() == 1) throw;
-    throw BadCommand(
-        fmt::format("fence {} of {}: {}. The {} before it were added", done + 1, asks.size(), bad.what(), done),
-        bad.hint);
+    throw BadCommand(fmt::format("fence {} of {} is refused, so none of them was added: {}", added.size() + 1,
+                                 asks.size(), bad.what()),
+                     bad.hint);
   }
-  keep();
+  std::vector<std::pair<std::string, CommandAsk>> kept;
+  for (std::size_t i = 0; i < asks.size(); ++i) {
+    const bool is_kept = Arguments(asks[i].text).truth("keep", false);
+    if (!is_kept) fence_owners_.insert(ask.client);
+    else kept.emplace_back(added[i], asks[i]);
+  }
+  // Whoever moves something after the answer finds the fences there.
+  if (!asks.empty()) step();
+  if (with_.durable != nullptr) with_.durable->fences_set(kept);
+  if (with_.changed && ask.client != 0) {
+    for (const auto& [name, one] : kept) with_.changed(one);
+  }
+  if (asks.size() > 1) added.clear();
   json answer{{"fences", added}, {"count", asks.size()}, {"version", with_.loop.world().newest()->version}};
   if (arguments.has("bands")) {
     const std::uint64_t parts = matching_parts(margin_of(arguments), *with_.loop.world().newest());
@@ -213,14 +215,12 @@ json Commands::fence(const CommandAsk& ask, const Arguments& arguments) {
 
 void Commands::add_fence(const CommandAsk& ask, const Arguments& arguments) {
   FenceDefinition definition = fence_of(arguments, ask.blob);
-  const bool is_kept = arguments.truth("keep", false);
-  if (!is_kept) definition.owner = ask.client;
+  if (!arguments.truth("keep", false)) definition.owner = ask.client;
   if (ask.from.peer && !ask.from.peer->may_name(definition.name))
     throw BadCommand(fmt::format("the keys of '{}' are not for fence {}. Nothing was added", ask.from.peer->name,
                                  printable(definition.name)));
   const auto added = with_.loop.world().add_fence(definition);
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
-  if (!is_kept) fence_owners_.insert(ask.client);
 }
 
 json Commands::remove_fences(const CommandAsk& ask, const Arguments& arguments) {

@@ -164,19 +164,17 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
         if (arguments.command() == names::kLoad) {
           load_one(parse_load(ask, arguments));
         } else if (arguments.command() == names::kClear) {
-          if (!with_.inbox.push_job([this, ask] { replay_on_world_thread({ask}); }))
-            throw BadCommand("too many commands wait already");
+          with_.inbox.push_own_job([this, ask] { replay_on_world_thread({ask}); });
         } else {
           others.push_back(ask);
         }
       } catch (const BadCommand& bad) { send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }
     }
-    const bool taken = with_.inbox.push_job([this, others] {
+    with_.inbox.push_own_job([this, others] {
       replay_on_world_thread(others);
       with_.durable->note_restored();
       replaying_.store(false);
     });
-    if (!taken) replaying_.store(false);
   });
 }
 

@@ -124,7 +124,8 @@ void Commands::load_one(Load load) {
   }
   load.options = {};  // its functions refer to locals
   const auto shared = std::make_shared<Load>(std::move(load));
-  const bool taken = with_.inbox.push_job([this, shared, loaded] {
+  // Loads wait in a queue of their own, so few of these wait at a time; and the work is done already.
+  with_.inbox.push_own_job([this, shared, loaded] {
     bool is_added = false;
     answer_once_kept(
         shared->ask,
@@ -136,7 +137,6 @@ void Commands::load_one(Load load) {
         shared->is_durable);
     if (!is_added) drop_file_of(*shared);
   });
-  if (!taken) refuse_load(*shared, "too many commands wait already. Nothing was loaded", "ask again");
 }
 
 void Commands::refuse_load(const Load& load, const std::string& why, const std::string& hint) {

@@ -33,16 +33,16 @@ std::uint64_t Broadcast::last_sequence() const {
   return world_.fences() != nullptr ? world_.fences()->last_sequence() : 0;
 }
 
-void Broadcast::publish() {
+void Broadcast::publish(FunctionRef<bool(ObjectId)> is_merged) {
   if (subject_ == BroadcastOf::fences && world_.fences() == nullptr) return;
   const SnapshotRing::Lease state = world_.newest();
   const Stamp stamp{.version = state->version, .world_time_ns = state->world_time_ns};
-  publish_events(stamp);
+  publish_events(stamp, is_merged);
   publish_contacts(stamp);
 }
 
 /// Frames go before shards: a subscriber that joins between the two gets an event twice rather than never.
-void Broadcast::publish_events(const Stamp& stamp) {
+void Broadcast::publish_events(const Stamp& stamp, FunctionRef<bool(ObjectId)> is_merged) {
   const auto name_of = [&](ObjectId id) { return names_.name(id); };
   const auto send = [&](EventColumns& frame, bool persisted) {
     if (frame.size() == 0) return;
@@ -69,7 +69,7 @@ void Broadcast::publish_events(const Stamp& stamp) {
       if (event.kind == EventKind::began) names_.note(event.of, world_);
     }
     EventColumns& frame = persisted ? persisted_ : events_;
-    frame.add(event, names_);
+    frame.add(event, names_, is_merged(event.of.a) || is_merged(event.of.b));
     if (!persisted) recent_.note(event, stamp.world_time_ns, names_.name(event.of.a), names_.name(event.of.b));
     if (frame.size() == wire_contract::kMaxEventsPerFrame) send(frame, persisted);
   }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "server/geometry/function_ref.hpp"
 #include "server/service/events/event_writer.hpp"
 #include "server/service/events/frames.hpp"
 #include "server/world/events/recent_events.hpp"
@@ -28,7 +29,9 @@ class Broadcast {
   /// Has every shard written next time, the empty ones too: a subscriber that waits for all shards need not guess.
   void mark_all();
   /// Publishes what the newest step found. To be called once a step. Of fences it costs nothing until there is one.
-  void publish();
+  ///
+  /// is_merged  whether poses of an object were merged on the way that the step decided
+  void publish(FunctionRef<bool(ObjectId)> is_merged);
 
   /// Sum of contact_hash() in topics.hpp over the contacts that hold.
   std::uint64_t contact_hash() const { return contact_hash_; }
@@ -40,7 +43,7 @@ class Broadcast {
 
  private:
   const std::vector<Event>& events() const;
-  void publish_events(const Stamp& stamp);
+  void publish_events(const Stamp& stamp, FunctionRef<bool(ObjectId)> is_merged);
   void publish_contacts(const Stamp& stamp);
 
   World& world_;

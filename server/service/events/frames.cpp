@@ -95,11 +95,12 @@ void EventColumns::clear() {
   named.clear();
 }
 
-void EventColumns::add(const Event& event, const NameBook& book) {
+void EventColumns::add(const Event& event, const NameBook& book, bool is_merged) {
   if (kinds.empty()) first_sequence = event.sequence;
   kinds.push_back(static_cast<std::uint8_t>(event.kind));
   reasons.push_back(static_cast<std::uint8_t>(event.reason));
-  doubts.push_back(static_cast<std::uint8_t>(event.of.doubt));
+  const std::uint8_t merged = is_merged ? wire_contract::kPosesMerged : 0;
+  doubts.push_back(static_cast<std::uint8_t>(static_cast<std::uint8_t>(event.of.doubt) | merged));
   shards.push_back(wire_contract::contact_shard(event.of.a, event.of.b));
   a.push_back(event.of.a);
   b.push_back(event.of.b);

@@ -66,7 +66,8 @@ struct EventColumns {
   NameTable named;
 
   void clear();
-  void add(const Event& event, const NameBook& book);
+  /// is_merged  poses of one of the two were merged on the way (kPosesMerged)
+  void add(const Event& event, const NameBook& book, bool is_merged = false);
   std::size_t size() const { return kinds.size(); }
 };
 

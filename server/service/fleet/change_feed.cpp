@@ -13,7 +13,10 @@ ChangeFeed::ChangeFeed(const dds::Participant& participant, std::uint64_t server
     : topic_(participant, name_space), writer_(topic_), messages_(kMostWaiting) {
   sample_->server = server;
   thread_ = named_thread("changes", [this] {
-    while (const std::optional<FeedMessage> message = messages_.pop()) write(*message);
+    while (const std::optional<FeedMessage> message = messages_.pop()) {
+      write(*message);
+      if (message->follower == 0) waiting_.fetch_sub(1);
+    }
   });
 }
 
@@ -21,10 +24,6 @@ ChangeFeed::~ChangeFeed() {
   is_over_.store(true);
   messages_.close();
   thread_.join();
-}
-
-void ChangeFeed::push(FeedMessage message) {
-  if (messages_.has_room()) messages_.push(std::move(message));
 }
 
 void ChangeFeed::continue_from(std::uint64_t sequence) {
@@ -35,7 +34,10 @@ void ChangeFeed::continue_from(std::uint64_t sequence) {
 void ChangeFeed::tell(WorldChange change) {
   if (!is_followed()) return;
   const std::lock_guard lock(mutex_);
-  push({.sequence_number = ++last_sequence_, .change = std::move(change)});
+  ++last_sequence_;
+  if (waiting_.load() >= kMostWaiting) return;
+  waiting_.fetch_add(1);
+  messages_.push({.sequence_number = last_sequence_, .change = std::move(change)});
 }
 
 void ChangeFeed::tell_all(std::uint64_t follower, std::uint64_t fetch, std::vector<WorldChange> kept) {

@@ -41,7 +41,7 @@ class ChangeFeed {
   void tell_all(std::uint64_t follower, std::uint64_t fetch, std::vector<WorldChange> kept);
 
  private:
-  static constexpr std::size_t kMostWaiting = 4'096;
+  static constexpr std::size_t kMostWaiting = 4'096;  // of those to all followers
   struct FeedMessage {
     std::uint64_t follower = 0;  // 0: all of them
     std::uint64_t fetch = 0;
@@ -49,7 +49,6 @@ class ChangeFeed {
     std::uint64_t left = 0;
     WorldChange change;
   };
-  void push(FeedMessage message);
   void write(const FeedMessage& message);
 
   dds::Topic<wire::Change> topic_;
@@ -58,6 +57,7 @@ class ChangeFeed {
   std::atomic<bool> is_over_{false};
   std::mutex mutex_;  // numbers and queues in one
   std::uint64_t last_sequence_ = 0;
+  std::atomic<std::size_t> waiting_{0};  // of those to all followers; what is kept is sent whole, however much it is
   WorkQueue<FeedMessage> messages_;
   std::thread thread_;
 };

@@ -73,6 +73,13 @@ std::vector<std::string> ChangeFollower::alarms() const {
   return all;
 }
 
+bool ChangeFollower::has_carried_out_lately() const {
+  // Worlds are compared some seconds after the instant that is compared.
+  constexpr std::int64_t kLatelyNs = 10'000'000'000;
+  const std::int64_t last_ns = carried_out_ns_.load();
+  return last_ns != 0 && wire_contract::steady_ns() - last_ns < kLatelyNs;
+}
+
 void ChangeFollower::raise(std::string sentence) {
   with_.notice(sentence);
   const std::lock_guard lock(mutex_);
@@ -174,7 +181,8 @@ void ChangeFollower::carry_out_next(std::uint64_t sequence, const WorldChange& c
 
 void ChangeFollower::carry_out(const WorldChange& change) {
   if (change.text.empty()) return;
-  const std::int64_t until_ns = wire_contract::steady_ns() + kRetryForNs;
+  carried_out_ns_.store(wire_contract::steady_ns());
+  const std::int64_t until_ns = carried_out_ns_.load() + kRetryForNs;
   std::string refusal = with_.carry_out(change);
   while (!refusal.empty() && !is_over_.load() && wire_contract::steady_ns() < until_ns) {
     constexpr std::chrono::milliseconds kPause{50};

@@ -44,6 +44,8 @@ class ChangeFollower {
   void leave();
   /// The number of the newest of the primary's changes that was carried out.
   std::uint64_t carried_out() const { return last_sequence_.load(); }
+  /// Whether it has carried out a change some seconds ago.
+  bool has_carried_out_lately() const;
   /// Which primary it follows; 0: none yet.
   std::uint64_t primary() const { return primary_.load(); }
   /// Which fetch of all that is kept it waits for.
@@ -94,6 +96,7 @@ class ChangeFollower {
   std::uint64_t expected_left_ = 0;  // of the next one that is fetched
   std::deque<EarlyChange> early_;
   std::atomic<std::uint64_t> last_sequence_{0};  // of the newest change that was carried out
+  std::atomic<std::int64_t> carried_out_ns_{0};  // when the newest change was, steady clock; 0: none was
   std::int64_t asked_ns_ = 0;                    // when the fetch was asked for, steady clock
   std::atomic<bool> is_over_{false};
   std::thread thread_;

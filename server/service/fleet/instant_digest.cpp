@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "idl/topics.hpp"
+
 namespace collided::engine::service {
 namespace {
 
@@ -10,8 +12,8 @@ constexpr std::int64_t kSecondNs = 1'000'000'000;
 /// What is older than this has come and was stepped over, unless its publisher is behind: then it is not settled.
 constexpr std::int64_t kPatienceNs = 1'000'000'000;
 /// A publisher that lives and has said nothing for so long counts as one whose objects rest: else a world of such ones, which
-/// DDS allows, could never be compared.
-constexpr std::int64_t kSilentNs = 5'000'000'000;
+/// DDS allows, could never be compared. Longer than any gap: a publisher that gives signs of life is behind by its own.
+constexpr std::int64_t kSilentNs = wire_contract::kMostGapNs + 2 * kSecondNs;
 
 }  // namespace
 

@@ -44,7 +44,7 @@ class DigestMaker {
   InstantDigest newest_;
   std::shared_ptr<const Snapshot> state_;
   std::uint64_t quiet_version_ = 0;  // of the world, where state_ is its newest state; 0: an earlier one
-  std::vector<std::shared_ptr<const StaticScene>> scenes_;  // that fingerprint_ is of
+  SceneList scenes_;                 // that fingerprint_ is of
   std::uint64_t fingerprint_ = 0;
 };
 

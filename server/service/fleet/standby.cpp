@@ -242,10 +242,14 @@ void Standby::note_own(const InstantDigest& digest, std::shared_ptr<const Snapsh
 void Standby::judge() {
   if (comparison_.compared() == judged_) return;
   judged_ = comparison_.compared();
-  const bool is_same = comparison_.differing() == 0;
+  const bool is_equal = comparison_.differing() == 0;
+  // Changes by commands are numbered and arrive complete, a moment after the primary made them: while commands go on, this waits.
+  const bool is_on_its_way = !is_equal && comparison_.only_unpublished_differed() && follower_.has_carried_out_lately();
+  const bool is_same = is_equal || is_on_its_way;
   if (is_same && !is_same_.load()) same_from_ns_.store(comparison_.compared_to_ns());
   is_same_.store(is_same);
-  if (compared_) compared_(comparison_.compared_to_ns(), is_same_.load() && follower_.is_whole());
+  if (compared_) compared_(comparison_.compared_to_ns(), is_equal && follower_.is_whole());
+  if (is_on_its_way) return;
   // Ever more seldom: while publishers of many objects say all again, the two may be a moment apart.
   if (std::has_single_bit(comparison_.differing())) again_.fetch_add(1);
   const std::lock_guard lock(mutex_);

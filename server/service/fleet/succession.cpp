@@ -24,11 +24,11 @@ constexpr std::chrono::milliseconds kLook{2};
 bool Succession::done_on_world_thread(std::function<void()> job) const {
   constexpr std::chrono::seconds kPatience{5};
   const auto done = std::make_shared<std::promise<void>>();
-  const bool is_taken = with_.on_world_thread([job = std::move(job), done] {
+  with_.on_world_thread([job = std::move(job), done] {
     job();
     done->set_value();
   });
-  return is_taken && done->get_future().wait_for(kPatience) == std::future_status::ready;
+  return done->get_future().wait_for(kPatience) == std::future_status::ready;
 }
 
 // ---- of a standby
@@ -100,7 +100,7 @@ void Succession::lose_place(const std::string& why) {
 void Succession::give_way(const std::string& why) {
   if (has_given_way_.exchange(true)) return;
   with_.takes_questions.store(false);
-  static_cast<void>(with_.on_world_thread(with_.fall_silent));
+  with_.on_world_thread(with_.fall_silent);
   with_.notice(why);
   with_.end();
 }

@@ -23,8 +23,8 @@ namespace collided::engine::service {
 class Succession {
  public:
   struct Collaborators {
-    /// Has the world's thread do it soon; false: it has too much to do. The four that follow are called there.
-    std::function<bool(std::function<void()>)> on_world_thread;
+    /// Has the world's thread do it soon, however many commands wait. The four that follow are called there.
+    std::function<void(std::function<void()>)> on_world_thread;
     std::function<void(const SpokenBefore&)> speak;  // see WorldLoop
     std::function<void()> fall_silent;
     std::function<PublisherProgress()> say_last_words;              // and falls silent

@@ -36,6 +36,9 @@ void WorldComparison::compare() {
     }
     ++differing_;
     differed_at_ns_ = own.digest.time_ns;
+    constexpr std::size_t kPublished = 2 * (WorldDigest::kGroups - WorldDigest::kUnpublishedGroups);
+    only_unpublished_differed_ = std::equal(own.digest.digest.sums.begin(), own.digest.digest.sums.begin() + kPublished,
+                                            other->digest.sums.begin());
     object_ = first_difference(*own.state, own.digest.digest, other->digest);
   }
 }

@@ -30,6 +30,8 @@ class WorldComparison {
   /// The first object that differs, at the newest instant at which the two did; empty where none can be named.
   const std::string& object() const { return object_; }
   std::int64_t differed_at_ns() const { return differed_at_ns_; }
+  /// True if all objects of publishers were equal then, and only objects of scenes and commands differed.
+  bool only_unpublished_differed() const { return only_unpublished_differed_; }
 
  private:
   static constexpr std::size_t kMost = 8;  // seconds by which one of the two may be behind
@@ -46,6 +48,7 @@ class WorldComparison {
   std::uint64_t differing_ = 0;
   std::string object_;
   std::int64_t differed_at_ns_ = 0;
+  bool only_unpublished_differed_ = false;
 };
 
 }  // namespace collided::engine::service

@@ -33,6 +33,8 @@ void decode(const wire::PoseBatch& from, PoseSample& sample) {
   sample.definitions_through = from.definitions_through;
   sample.source_time_ns = from.source_time_ns;
   sample.flags = from.flags;
+  sample.merged = 0;  // a spare sample still says what it was
+  sample.merged_objects.clear();
   const auto numbers = dds::view(from.object_numbers);
   sample.object_numbers.assign(numbers.begin(), numbers.end());
   sample.has_odd_columns = !wire::row_count<wire::PoseBatch>(from, wire::kPoseColumns) ||

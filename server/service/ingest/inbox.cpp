@@ -88,6 +88,12 @@ bool Inbox::push_job(Job job) {
   return true;
 }
 
+void Inbox::push_own_job(Job job) {
+  const std::lock_guard lock(mutex_);
+  ++job_count_;
+  push_in_order(std::move(job));
+}
+
 void Inbox::wake() {
   const std::lock_guard lock(mutex_);
   woken_ = true;
@@ -100,6 +106,8 @@ void Inbox::Merged::clear() {
   poses.clear();
   teleported.clear();
   incarnation = sequence = definitions_through = 0;
+  has_replaced.clear();
+  replaced = 0;
   source_time_ns = received_ns = 0;
   flags = 0;
 }
@@ -125,10 +133,10 @@ void Inbox::merge(const PoseSample& sample) {
   }
   merged.sequence = std::max(merged.sequence, sample.sequence);
   merged.definitions_through = std::max(merged.definitions_through, sample.definitions_through);
-  merged.flags |= sample.flags & (wire_contract::kAllSaid | wire_contract::kStreamed);
-  // A sign of life has no time, and must not take that of the poses before it.
-  const bool is_sign_of_life = count == 0 && sample.source_time_ns == 0;
-  if (!is_sign_of_life) {
+  merged.flags |= sample.flags & wire_contract::kAllSaid;
+  // A sign of life must not take the time of the poses before it, nor the way in which their objects move.
+  if (!sample.is_only_alive()) {
+    merged.flags |= sample.flags & wire_contract::kStreamed;
     merged.source_time_ns = sample.source_time_ns;
     merged.received_ns = sample.received_ns;
   }
@@ -140,6 +148,8 @@ void Inbox::merge_pose(Merged& merged, const PoseSample& sample, std::size_t ind
   std::uint32_t place = merged.index.find(number);
   if (place != NumberIndex::kNone) {
     ++counts_.poses_superseded;
+    ++merged.replaced;
+    merged.has_replaced[place] = 1;
   } else if (merged_count_ >= limits_.merged_objects) {
     ++counts_.poses_dropped;
     return;
@@ -150,6 +160,7 @@ void Inbox::merge_pose(Merged& merged, const PoseSample& sample, std::size_t ind
     merged.numbers.push_back(number);
     merged.poses.resize(merged.poses.size() + kPoseNumbers);
     merged.teleported.push_back(0);
+    merged.has_replaced.push_back(0);
   }
   std::copy_n(&sample.poses[index * kPoseNumbers], kPoseNumbers, &merged.poses[place * kPoseNumbers]);
   // A teleport stays one even when its pose is superseded, or the step would sweep the object across the room.
@@ -164,6 +175,8 @@ std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Me
   slice->definitions_through = merged.definitions_through;
   slice->source_time_ns = merged.source_time_ns;
   slice->received_ns = merged.received_ns;
+  slice->merged = 0;
+  slice->merged_objects.clear();
   slice->has_odd_columns = false;  // a spare sample still says what it was
   slice->flags = merged.flags | (teleported ? wire_contract::kTeleported : 0);
   slice->object_numbers.clear();
@@ -178,6 +191,7 @@ void Inbox::unpack(std::uint64_t publisher, Merged& merged, std::vector<Arrival>
   const auto put = [&](std::unique_ptr<PoseSample> slice) {
     if (last != nullptr) last->flags |= wire_contract::kMoreFollows;
     last = slice.get();
+    last->merged = std::exchange(merged.replaced, 0);
     arrivals.emplace_back(std::move(slice));
   };
   // The teleported flag is one of the whole batch, so teleported objects travel in slices of their own.
@@ -187,6 +201,7 @@ void Inbox::unpack(std::uint64_t publisher, Merged& merged, std::vector<Arrival>
       if ((merged.teleported[i] != 0) != teleported) continue;
       if (!slice) slice = start_slice(publisher, merged, teleported);
       slice->object_numbers.push_back(merged.numbers[i]);
+      slice->merged_objects.push_back(merged.has_replaced[i]);
       const double* pose = &merged.poses[i * kPoseNumbers];
       slice->poses.insert(slice->poses.end(), pose, pose + kPoseNumbers);
       if (slice->object_numbers.size() == wire_contract::kMaxPosesPerBatch) put(std::exchange(slice, nullptr));

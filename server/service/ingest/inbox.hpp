@@ -77,6 +77,8 @@ class Inbox {
   bool has_room_for_definitions() const;
   /// False: too many jobs wait already, and this one is not taken.
   [[nodiscard]] bool push_job(Job job);
+  /// Taken even beyond the limit: for jobs of the server itself, of which few wait at a time.
+  void push_own_job(Job job);
   /// Makes the take_round() that waits, or else the next one, return at once.
   void wake();
 
@@ -94,11 +96,13 @@ class Inbox {
     std::uint64_t definitions_through = 0;
     std::int64_t source_time_ns = 0;  // of the batch merged last that has a time
     std::int64_t received_ns = 0;
-    std::uint8_t flags = 0;                // those that say something of the publisher, not of the batch
-    NumberIndex index;                     // object number to place
-    std::vector<std::uint32_t> numbers;    // object numbers, by place
-    std::vector<double> poses;             // kPoseNumbers each, by place
-    std::vector<std::uint8_t> teleported;  // 1: one of the poses merged here was a teleport
+    std::uint8_t flags = 0;                  // those that say something of the publisher, not of the batch
+    NumberIndex index;                       // object number to place
+    std::vector<std::uint32_t> numbers;      // object numbers, by place
+    std::vector<double> poses;               // kPoseNumbers each, by place
+    std::vector<std::uint8_t> teleported;    // 1: one of the poses merged here was a teleport
+    std::vector<std::uint8_t> has_replaced;  // by place: 1: the pose replaced an earlier one
+    std::uint32_t replaced = 0;              // poses that newer ones replaced
 
     void clear();
   };

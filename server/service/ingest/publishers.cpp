@@ -4,22 +4,26 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
+#include "idl/clocks.hpp"
 #include "server/service/questions/validation.hpp"
 
 namespace collided::engine::service {
+namespace {
+
+std::size_t bytes_of(const PoseSample& sample) {
+  return sizeof sample + sample.object_numbers.size() * sizeof(std::uint32_t) +
+         (sample.poses.size() + sample.velocities.size()) * sizeof(double);
+}
+
+}  // namespace
 
 // ---- which publishers are known
 
 Publishers::Publisher* Publishers::find(std::uint64_t id) const {
   const auto found = publishers_.find(id);
   return found == publishers_.end() ? nullptr : found->second.get();
-}
-
-bool Publishers::make_room(std::int64_t now_ns) {
-  if (publishers_.size() < limits_.publishers) return true;
-  forget_lost(now_ns);
-  return publishers_.size() < limits_.publishers;
 }
 
 Publishers::Publisher* Publishers::add(std::uint64_t id) {
@@ -30,11 +34,11 @@ Publishers::Publisher* Publishers::add(std::uint64_t id) {
 
 /// Finds the publisher of a sample, or adds it; none where the sample is late or there is no room. A greater
 /// incarnation is a restart: the objects of the earlier run are removed.
-Applied Publishers::meet(std::uint64_t id, std::uint64_t incarnation, std::int64_t now_ns, Publisher*& met) {
+Applied Publishers::meet(std::uint64_t id, std::uint64_t incarnation, Publisher*& met) {
   met = nullptr;
   Publisher* publisher = find(id);
   if (!publisher) {
-    if (!make_room(now_ns)) {
+    if (!has_room()) {
       ++counts_.publishers_refused;
       notice(fmt::format("publisher {:016x} refused: {} are there, the limit", id, limits_.publishers));
       return Applied::done;
@@ -70,13 +74,19 @@ void Publishers::retire(Publisher& publisher) {
   publisher.objects.clear();
   publisher.numbers_while_lost.clear();
   parked_count_ -= publisher.parked.size();
+  parked_bytes_ -= std::exchange(publisher.parked_bytes, 0);
   publisher.parked.clear();
   publisher.parts.clear();
   publisher.said_again.clear();
   publisher.said_all = false;
+  publisher.merged_poses = 0;
   publisher.watermark = {};
   publisher.clock = {};
   publisher.definitions_seen = 0;
+  publisher.gap_ns = wire_contract::kDefaultGapNs;
+  publisher.instant_ns = 0;
+  publisher.long_periods = 0;
+  world_.set_gap(publisher.id, publisher.gap_ns);
 }
 
 // ---- poses
@@ -101,7 +111,7 @@ std::optional<std::string> Publishers::why_malformed(const PoseSample& sample) c
 
 Applied Publishers::move(PoseSample& sample, std::int64_t now_ns) {
   Publisher* publisher = nullptr;
-  if (meet(sample.publisher, sample.incarnation, now_ns, publisher) == Applied::step_first) return Applied::step_first;
+  if (meet(sample.publisher, sample.incarnation, publisher) == Applied::step_first) return Applied::step_first;
   if (!publisher) {
     counts_.poses_late += sample.object_numbers.size();
     return Applied::done;
@@ -122,13 +132,34 @@ Applied Publishers::move(PoseSample& sample, std::int64_t now_ns) {
   return take_batch(*publisher, sample, now_ns);
 }
 
-void Publishers::park(Publisher& publisher, PoseSample& sample) {
-  if (publisher.parked.size() >= limits_.parked_batches) {
-    publisher.parked.pop_front();
-    --parked_count_;
+void Publishers::pop_parked(Publisher& publisher, std::size_t bytes) {
+  publisher.parked.pop_front();
+  publisher.parked_bytes -= bytes;
+  parked_bytes_ -= bytes;
+  --parked_count_;
+}
+
+/// The publisher that has parked the most loses its oldest batches, so that one cannot push out what others have parked.
+void Publishers::make_room_to_park(std::size_t bytes) {
+  while (parked_count_ > 0 && parked_bytes_ + bytes > limits_.parked_bytes) {
+    const auto most =
+        std::ranges::max_element(publishers_, {}, [](const auto& one) { return one.second->parked_bytes; });
+    pop_parked(*most->second, bytes_of(most->second->parked.front()));
     ++counts_.batches_dropped;
   }
-  publisher.parked.push_back(std::move(sample));
+}
+
+void Publishers::park(Publisher& publisher, const PoseSample& sample) {
+  if (publisher.parked.size() >= limits_.parked_batches) {
+    pop_parked(publisher, bytes_of(publisher.parked.front()));
+    ++counts_.batches_dropped;
+  }
+  const std::size_t bytes = bytes_of(sample);
+  make_room_to_park(bytes);
+  // A copy: the sample's own vectors may be as large as the largest batch that they ever held.
+  publisher.parked.push_back(sample);
+  publisher.parked_bytes += bytes;
+  parked_bytes_ += bytes;
   ++parked_count_;
   ++counts_.batches_parked;
 }
@@ -137,9 +168,9 @@ Applied Publishers::release_parked(std::int64_t now_ns) {
   if (parked_count_ == 0) return Applied::done;
   for (auto& [id, publisher] : publishers_) {
     while (!publisher->parked.empty() && publisher->parked.front().definitions_through <= publisher->definitions_seen) {
+      const std::size_t bytes = bytes_of(publisher->parked.front());
       if (take_batch(*publisher, publisher->parked.front(), now_ns) == Applied::step_first) return Applied::step_first;
-      publisher->parked.pop_front();
-      --parked_count_;
+      pop_parked(*publisher, bytes);
     }
   }
   return Applied::done;
@@ -172,19 +203,22 @@ Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, 
   if (!publisher.said_again.empty() && last.sequence > 0 &&
       take_said_again(publisher, last.sequence) == Applied::step_first)
     return Applied::step_first;
-  const bool has_instant = last.source_time_ns != 0 || publisher.clock.is_without_stamps();
-  if (has_instant && (last.flags & wire_contract::kBringsObjects) != 0) world_.expect_objects(publisher.id);
+  const bool is_alone = last.is_only_alive() && publisher.parts.empty();
+  // An empty batch without a stamp has no time. A publisher that never stamps, however, says with it that its objects have
+  // rested until now.
+  const bool has_instant = !is_alone || (last.source_time_ns == 0 && publisher.clock.is_without_stamps());
+  if (has_instant && (last.flags & wire_contract::kBringsObjects) != 0) {
+    publisher.brings_objects = true;
+    world_.expect_objects(publisher.id);
+  }
   if (has_instant && !publisher.entering.empty()) enter_with_instant(publisher, last.definitions_through);
   for (const PoseSample& part : publisher.parts) {
     if (!find_all(publisher, part)) return Applied::step_first;
   }
   if (!find_all(publisher, last)) return Applied::step_first;
-  // An empty batch without a stamp is only a sign of life and has no time. A publisher that never stamps, however, says
-  // with it that its objects have rested until now.
-  const bool is_sign_of_life = last.source_time_ns == 0 && last.object_numbers.empty() && publisher.parts.empty() &&
-                               !publisher.clock.is_without_stamps();
   WorldStamp stamp;
-  if (!is_sign_of_life) stamp = publisher.clock.stamp(last.source_time_ns, last.received_ns);
+  if (has_instant) stamp = publisher.clock.stamp(last.source_time_ns, last.received_ns);
+  else note_alive(publisher, last);
   if (!publisher.parts.empty()) {
     for (const PoseSample& part : publisher.parts) {
       find_all(publisher, part);
@@ -195,6 +229,7 @@ Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, 
   }
   apply_batch(publisher, last, stamp, now_ns);
   if (stamp.time_ns > 0 && world_.advance(publisher.id, stamp.time_ns)) ++changes_;
+  if (stamp.time_ns > 0) note_period(publisher, stamp.time_ns);
   counts_.stamps_late += stamp.kind == StampKind::late ? 1 : 0;
   counts_.stamps_jumped += stamp.kind == StampKind::jumped ? 1 : 0;
   counts_.stamps_missing += stamp.kind == StampKind::none ? 1 : 0;
@@ -205,6 +240,7 @@ Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, 
 void Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, const WorldStamp& stamp,
                              std::int64_t now_ns) {
   if ((sample.flags & wire_contract::kAllSaid) != 0) publisher.said_all = true;
+  publisher.merged_poses += sample.merged;
   ++batch_;
   accepted_count_ = 0;
   for (std::size_t i = 0; i < sample.object_numbers.size(); ++i) {
@@ -217,6 +253,7 @@ void Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, con
     accepted_[accepted_count_] = record;
     ids_[accepted_count_] = record->id;
     poses_[accepted_count_] = record->pose;
+    if (sample.merged > 0 && sample.merged_objects[i] != 0) note_merged(record->id, stamp.time_ns);
     ++accepted_count_;
   }
   const bool teleported = (sample.flags & wire_contract::kTeleported) != 0 || stamp.kind == StampKind::jumped;
@@ -231,6 +268,38 @@ void Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, con
   if (sample.sequence > 0) publisher.watermark.apply_pose(sample.sequence, now_ns);
   ++counts_.batches_applied;
   if (counts_.poses_applied != before) ++changes_;
+}
+
+/// Its objects may move on without a word, so they are known only up to one gap before.
+void Publishers::note_alive(Publisher& publisher, const PoseSample& sample) {
+  if (sample.source_time_ns == 0) return;
+  SourceClock& clock = publisher.clock;
+  // From its first word on a publisher's time is its own, also where that names no object.
+  const std::optional<std::int64_t> time_ns = clock.has_started()
+                                                  ? clock.alive_at(sample.source_time_ns, sample.received_ns)
+                                                  : clock.stamp(sample.source_time_ns, sample.received_ns).time_ns;
+  if (time_ns && world_.advance(publisher.id, *time_ns, true)) ++changes_;
+}
+
+/// One long pause is an object that rested; several in a row are a source that is slower than its gap.
+void Publishers::note_period(Publisher& publisher, std::int64_t time_ns) {
+  constexpr std::uint32_t kSeveral = 3;
+  const std::int64_t period_ns = time_ns - std::exchange(publisher.instant_ns, time_ns);
+  const bool is_long = period_ns < time_ns && period_ns > publisher.gap_ns;
+  publisher.long_periods = is_long ? publisher.long_periods + 1 : 0;
+  if (publisher.long_periods < kSeveral || std::exchange(publisher.was_warned_of_gap, true)) return;
+  notice(fmt::format(
+      "publisher {} sends poses {:.3g} s apart, and its gap is {:.3g} s: after each pose its objects rest, and "
+      "move only in the last {:.3g} s before the next. Publish with a longer gap",
+      printable(publisher.name), static_cast<double>(period_ns) * wire_contract::kNanosecond_s,
+      static_cast<double>(publisher.gap_ns) * wire_contract::kNanosecond_s,
+      static_cast<double>(publisher.gap_ns) * wire_contract::kNanosecond_s));
+}
+
+void Publishers::note_merged(ObjectId id, std::int64_t until_ns) {
+  const std::size_t slot = slot_of(id);
+  if (slot >= merged_.size()) merged_.resize(slot + 1);
+  merged_[slot] = {.step = step_, .until_ns = std::max(merged_[slot].until_ns, until_ns)};
 }
 
 void Publishers::refuse(const Publisher& publisher, const Record* record, const std::string& reason) {
@@ -297,7 +366,11 @@ std::vector<std::string> Publishers::take_notices() {
 PublisherView Publishers::view(const Publisher& publisher, std::int64_t now_ns) const {
   using wire_contract::PublisherState;
   const std::int64_t silent_ns = now_ns - publisher.heard_ns;
-  const PublisherState here = silent_ns > limits_.silent_after_ns ? PublisherState::silent : PublisherState::alive;
+  const PublisherState heard = silent_ns > limits_.silent_after_ns ? PublisherState::silent : PublisherState::alive;
+  // Its definitions were sent while there was no room for it, so they come only if they are asked for.
+  const bool lacks_definitions =
+      !publisher.parked.empty() && now_ns - publisher.parked.front().received_ns > limits_.asked_after_ns;
+  const PublisherState here = lacks_definitions ? PublisherState::asked : heard;
   return {.publisher = publisher.id,
           .name = publisher.name,
           .silent_ns = silent_ns,
@@ -310,6 +383,11 @@ bool Publishers::is_live(std::uint64_t publisher) const {
   return found && !found->lost;
 }
 
+bool Publishers::is_in_several_shards(std::uint64_t publisher) const {
+  const Publisher* found = find(publisher);
+  return found && found->brings_objects;
+}
+
 bool Publishers::is_complete(std::uint64_t publisher) const {
   const Publisher* found = find(publisher);
   return found && !found->lost && found->said_all;
@@ -318,6 +396,11 @@ bool Publishers::is_complete(std::uint64_t publisher) const {
 std::uint64_t Publishers::applied_through(std::uint64_t publisher) const {
   const Publisher* found = find(publisher);
   return found ? found->watermark.through() : 0;
+}
+
+std::uint64_t Publishers::merged_poses(std::uint64_t publisher) const {
+  const Publisher* found = find(publisher);
+  return found ? found->merged_poses : 0;
 }
 
 void Publishers::list_applied(std::vector<std::pair<std::uint64_t, std::uint64_t>>& applied) const {
@@ -356,6 +439,14 @@ std::vector<Publishers::LeftOut> Publishers::left_out(std::uint64_t id, std::siz
     objects.push_back({record.described->definition.name, record.described->why_left_out});
   }
   return objects;
+}
+
+std::size_t Publishers::left_out_count(std::uint64_t id) const {
+  const Publisher* const publisher = find(id);
+  if (publisher == nullptr) return 0;
+  const auto& records = publisher->objects.records();
+  return static_cast<std::size_t>(std::count_if(
+      records.begin(), records.end(), [](const Record& record) { return !record.described->why_left_out.empty(); }));
 }
 
 }  // namespace collided::engine::service

@@ -23,10 +23,16 @@ namespace collided::engine::service {
 
 /// Bounds on what publishers may take up, and the times after which a publisher counts as silent or is forgotten.
 struct PublisherLimits {
-  std::uint32_t publishers = 1'000;
-  std::uint32_t object_numbers = 200'000;  // of all publishers together, those of removed objects included
+  std::uint32_t publishers = 1'000;       // that live
+  std::uint32_t lost_publishers = 1'000;  // beyond it, the one lost first is forgotten; its objects stay in the world
+  // of all publishers together, those of removed objects included; beyond it, lost publishers are forgotten first
+  std::uint32_t object_numbers = 200'000;
   std::uint32_t parked_batches = wire_contract::kPoseTopic.keep_last;  // of one publisher, waiting for its definitions
-  std::int64_t silent_after_ns = 2'000'000'000;      // a live publisher without a sample for so long is shown as silent
+  std::size_t parked_bytes = std::size_t{64} << 20;                    // of all publishers together
+  std::int64_t asked_after_ns = 1'000'000'000;   // definitions that its poses wait for so long are asked for again
+  std::int64_t silent_after_ns = 2'000'000'000;  // a live publisher without a sample for so long is shown as silent
+  // A lost publisher's objects stay for so long, stale but for those to be held; then their lost policies apply.
+  std::int64_t forget_after_ns = 5'000'000'000;
   std::int64_t forgotten_after_ns = 60'000'000'000;  // a lost publisher without an object in the world
 };
 
@@ -84,15 +90,15 @@ class Publishers {
   Applied move(PoseSample& sample, std::int64_t now_ns);
   /// Applies parked batches whose definitions have come meanwhile. done: none is left that could be applied now.
   Applied release_parked(std::int64_t now_ns);
-  /// One of the publisher's two writers is gone. Without either the publisher is lost, and its objects' lost policies
-  /// apply.
+  /// One of the publisher's two writers is gone. Without either the publisher is lost: its objects are stale, unless they
+  /// are to be held, and their lost policies apply after PublisherLimits::forget_after_ns.
   Applied writer_lost(std::uint64_t publisher, WriterKind kind, std::int64_t now_ns);
   /// Brings a lost publisher back with the objects that left with it.
   void writer_alive(std::uint64_t publisher, WriterKind kind, std::int64_t now_ns);
   /// To be called after each step: objects may move again.
   void stepped() { ++step_; }
-  /// To be called now and then: retries names that may be free, gives up old gaps in sequences, forgets lost
-  /// publishers.
+  /// To be called now and then: retries names that may be free, gives up old gaps in sequences, applies the policies of lost
+  /// publishers, and forgets them.
   void settle(std::int64_t now_ns);
 
   /// How many batches and definitions changed the world since the last call: what the next step stands for.
@@ -108,8 +114,21 @@ class Publishers {
   /// Whether it lives and has sent all its definitions to this server (kAllSaid). What DDS kept of a publisher holds
   /// only the poses of its first definitions, so being known is not enough.
   bool is_complete(std::uint64_t publisher) const;
+  /// Whether its objects come from other shards and leave for them (kBringsObjects).
+  bool is_in_several_shards(std::uint64_t publisher) const;
   /// SequenceWatermark::through() of the publisher; 0: not known.
   std::uint64_t applied_through(std::uint64_t publisher) const;
+  /// Poses of the publisher that newer ones have replaced since the server had too many; 0: none, or it is not known.
+  std::uint64_t merged_poses(std::uint64_t publisher) const;
+  /// Whether newer poses have replaced some of the object on the way that the newest step decided, so that it did not go
+  /// where its publisher said.
+  ///
+  /// settled_before_ns  world time up to which everything was decided before that step
+  bool is_merged(ObjectId id, std::int64_t settled_before_ns) const {
+    const std::size_t slot = slot_of(id);
+    if (slot >= merged_.size()) return false;
+    return merged_[slot].step + 1 == step_ || merged_[slot].until_ns > settled_before_ns;
+  }
   /// The object's velocity as last sent: linear in m/s, then angular in rad/s. Nothing where its last pose came
   /// without. Costs a walk over the publisher's objects.
   std::optional<std::array<double, 6>> velocity(ObjectId id) const;
@@ -122,6 +141,7 @@ class Publishers {
   };
   /// Those of a publisher, at most `most`, by object number as they came.
   std::vector<LeftOut> left_out(std::uint64_t publisher, std::size_t most) const;
+  std::size_t left_out_count(std::uint64_t publisher) const;
 
   /// Visits every publisher, ascending by number, but those that removed all their objects before they left.
   template <class Visit>
@@ -171,29 +191,38 @@ class Publishers {
     std::string name;
     std::uint64_t incarnation = 0;
     std::uint64_t definitions_seen = 0;  // greatest sequence number of its definitions
+    std::int64_t gap_ns = wire_contract::kDefaultGapNs;
+    std::int64_t instant_ns = 0;     // world time of its newest batch that says where objects are
+    std::uint32_t long_periods = 0;  // from such a batch to the next, longer than the gap, in a row
+    bool was_warned_of_gap = false;
+    bool was_lost_before = false;
     SequenceWatermark watermark;
     SourceClock clock;
     ObjectNumbers<Record> objects;
     // While it is lost and others take its names: its objects that were in the world when the first one did.
     std::unordered_map<ObjectId, std::uint32_t> numbers_while_lost;
-    std::deque<PoseSample> parked;        // wait for definitions, oldest first
+    std::deque<PoseSample> parked;  // wait for definitions, oldest first
+    std::size_t parked_bytes = 0;
     std::vector<PoseSample> parts;        // batches of an instant whose last batch has not come
     std::vector<std::uint32_t> entering;  // numbers of objects that wait for an instant, and of some that no longer do
     std::vector<SaidAgain> said_again;    // wait for the batches before them, oldest first
+    std::uint64_t merged_poses = 0;       // replaced by newer ones before they were applied
     std::int64_t heard_ns = 0;            // its last sample, server's clock
     std::int64_t lost_ns = 0;
     bool object_writer = false;  // its writer of definitions lives
     bool pose_writer = false;
-    bool said_all = false;    // a batch with kAllSaid was applied
-    bool lost = false;        // both writers are gone
-    bool took_leave = false;  // lost, but it had removed all its objects before
+    bool brings_objects = false;  // an instant with kBringsObjects was applied
+    bool said_all = false;        // a batch with kAllSaid was applied
+    bool lost = false;            // both writers are gone
+    bool took_leave = false;      // lost, but it had removed all its objects before
+    bool is_frozen = false;       // lost, and its objects' policies have not been applied
   };
 
   PublisherView view(const Publisher& publisher, std::int64_t now_ns) const;
   Publisher* find(std::uint64_t id) const;
   Publisher* add(std::uint64_t id);
-  bool make_room(std::int64_t now_ns);
-  Applied meet(std::uint64_t id, std::uint64_t incarnation, std::int64_t now_ns, Publisher*& met);
+  bool has_room() const { return publishers_.size() - lost_count_ < limits_.publishers; }
+  Applied meet(std::uint64_t id, std::uint64_t incarnation, Publisher*& met);
   void heard(Publisher& publisher, WriterKind kind, std::int64_t now_ns);
   bool any_touched(const Publisher& publisher) const;
   void retire(Publisher& publisher);
@@ -210,6 +239,10 @@ class Publishers {
   void enter(Publisher& publisher, Record& record);
   void enter_with_instant(Publisher& publisher, std::uint64_t definitions_through);
   void make_lost_give_way(std::string_view name);
+  /// Makes room where the batches parked by all publishers would take too much memory with so many bytes more.
+  void make_room_to_park(std::size_t bytes);
+  /// Takes the oldest batch, of so many bytes, out of those that a publisher has parked.
+  void pop_parked(Publisher& publisher, std::size_t bytes);
   std::string why_waits(const Record& record) const;
   void wait(const Publisher& publisher, Record& record, std::string why);
   std::variant<ObjectId, Refusal> take_over(ObjectId there, ObjectDefinition& definition);
@@ -217,12 +250,24 @@ class Publishers {
   void find_lost_claims();
   void leave(Record& record, EndReason reason);
   void retry_names();
+  void apply_lost_policies(Publisher& publisher);
+  void apply_lost_policies(std::int64_t now_ns);
+  Publisher* first_lost(bool is_frozen) const;
+  void make_room_for_object();
+  void make_room_for_number();
   void forget_lost(std::int64_t now_ns);
-  void park(Publisher& publisher, PoseSample& sample);
+  void forget_first_lost();
+  void note_lost(Publisher& publisher, bool is_lost);
+  void notice_loss(Publisher& publisher);
+  void park(Publisher& publisher, const PoseSample& sample);
   Applied take_batch(Publisher& publisher, PoseSample& sample, std::int64_t now_ns);
   Applied apply_instant(Publisher& publisher, const PoseSample& last, std::int64_t now_ns);
   void apply_batch(Publisher& publisher, const PoseSample& sample, const WorldStamp& stamp, std::int64_t now_ns);
   bool find_all(Publisher& publisher, const PoseSample& sample);
+  void note_merged(ObjectId id, std::int64_t until_ns);
+  void note_alive(Publisher& publisher, const PoseSample& sample);
+  void note_period(Publisher& publisher, std::int64_t time_ns);
+  void take_gap(Publisher& publisher, const DefinitionSample& sample);
   bool accept(const Publisher& publisher, const PoseSample& sample, std::size_t index, Record* record);
   void refuse(const Publisher& publisher, const Record* record, const std::string& reason);
   std::optional<std::string> why_malformed(const PoseSample& sample) const;
@@ -237,8 +282,16 @@ class Publishers {
   std::uint64_t changes_ = 0;     // since take_changes()
   std::size_t record_count_ = 0;  // of all publishers, removed objects included
   std::size_t parked_count_ = 0;
+  std::size_t parked_bytes_ = 0;
+  std::size_t lost_count_ = 0;                                    // of publishers_
   std::vector<std::pair<std::uint64_t, std::uint32_t>> waiting_;  // for a name: publisher, object number
   std::vector<std::pair<std::uint64_t, std::uint32_t>> claims_;   // likewise: objects that were taken over
+  /// The newest merged pose of an object: the step that took it, and its world time, which another publisher may wait for.
+  struct MergedWay {
+    std::uint64_t step = 0;
+    std::int64_t until_ns = 0;
+  };
+  std::vector<MergedWay> merged_;  // by slot; empty until there is one
   std::vector<std::string> notices_;
   std::uint64_t unsaid_ = 0;  // notices beyond the limit
 

@@ -2,7 +2,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "idl/clocks.hpp"
 #include "server/service/ingest/publishers.hpp"
 #include "server/service/ingest/same_shape.hpp"
 #include "server/service/questions/validation.hpp"
@@ -23,13 +25,19 @@ bool is_same(const Pose& a, const Pose& b) {
 /// A sample counts as seen even where its definition is refused: batches that wait for it must not wait for ever.
 Applied Publishers::define(DefinitionSample& sample, std::int64_t now_ns) {
   Publisher* publisher = nullptr;
-  if (meet(sample.publisher, sample.incarnation, now_ns, publisher) == Applied::step_first) return Applied::step_first;
+  if (meet(sample.publisher, sample.incarnation, publisher) == Applied::step_first) return Applied::step_first;
   if (!publisher) {
     ++counts_.definitions_late;
     return Applied::done;
   }
   heard(*publisher, WriterKind::object, now_ns);
   if (!sample.publisher_name.empty() && is_good_name(sample.publisher_name)) publisher->name = sample.publisher_name;
+  if (sample.object_number == wire_contract::kPublisherItself) {
+    take_gap(*publisher, sample);
+    publisher->definitions_seen = std::max(publisher->definitions_seen, sample.sequence);
+    publisher->watermark.apply_definition(sample.sequence, now_ns);
+    return Applied::done;
+  }
   Record* record = publisher->objects.find(sample.object_number);
   if (record && sample.sequence <= record->definition_sequence) {
     ++counts_.definitions_late;
@@ -44,6 +52,7 @@ Applied Publishers::define(DefinitionSample& sample, std::int64_t now_ns) {
   }
   if (record && record->place == Place::in_world && record->touched_step == step_) return Applied::step_first;
   if (!record) {
+    make_room_for_number();
     if (record_count_ >= limits_.object_numbers) {
       ++counts_.definitions_refused;
       notice(fmt::format("object {} of publisher {} refused: {} object numbers are in use, the limit",
@@ -61,6 +70,23 @@ Applied Publishers::define(DefinitionSample& sample, std::int64_t now_ns) {
   publisher->definitions_seen = std::max(publisher->definitions_seen, sample.sequence);
   publisher->watermark.apply_definition(sample.sequence, now_ns);
   return Applied::done;
+}
+
+void Publishers::take_gap(Publisher& publisher, const DefinitionSample& sample) {
+  const double gap_s = sample.pose[0];
+  constexpr double kLeast_s = wire_contract::kLeastGapNs * wire_contract::kNanosecond_s;
+  constexpr double kMost_s = wire_contract::kMostGapNs * wire_contract::kNanosecond_s;
+  if (!(gap_s >= kLeast_s && gap_s <= kMost_s)) {
+    ++counts_.definitions_refused;
+    notice(fmt::format("gap of publisher {} refused: {} s; allowed {} to {}. It stays {} s. Refused so far: {}.",
+                       printable(publisher.name), gap_s, kLeast_s, kMost_s,
+                       static_cast<double>(publisher.gap_ns) * wire_contract::kNanosecond_s,
+                       counts_.definitions_refused));
+    return;
+  }
+  publisher.gap_ns = std::llround(gap_s * 1e9);
+  world_.set_gap(publisher.id, publisher.gap_ns);
+  ++counts_.definitions_applied;
 }
 
 std::optional<std::string> Publishers::why_bad(const DefinitionSample& sample) const {
@@ -168,6 +194,7 @@ void Publishers::enter(Publisher& publisher, Record& record) {
   definition.pose = record.pose;
   make_lost_give_way(definition.name);
   if (std::string why = why_waits(record); !why.empty()) return wait(publisher, record, std::move(why));
+  make_room_for_object();
   const std::variant<ObjectId, Refusal> defined =
       record.is_claim ? take_over(*world_.find(definition.name), definition) : world_.define(definition);
   if (const auto* refusal = std::get_if<Refusal>(&defined)) {
@@ -222,8 +249,14 @@ void Publishers::wait(const Publisher& publisher, Record& record, std::string wh
 void Publishers::make_lost_give_way(std::string_view name) {
   const std::optional<ObjectId> owner = world_.find(name);
   const ObjectInfo* info = owner ? world_.info(*owner) : nullptr;
-  Publisher* publisher = info && info->publisher != 0 ? find(info->publisher) : nullptr;
-  if (!publisher || !publisher->lost) return;
+  if (info == nullptr || info->publisher == 0) return;
+  Publisher* const publisher = find(info->publisher);
+  if (publisher == nullptr) {  // forgotten while its object stayed
+    world_.remove(*owner, EndReason::publisher_lost);
+    ++changes_;
+    return;
+  }
+  if (!publisher->lost) return;
   std::unordered_map<ObjectId, std::uint32_t>& numbers = publisher->numbers_while_lost;
   if (numbers.empty()) {
     for (const Record& record : publisher->objects.records()) {

@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "idl/topics.hpp"
 #include "server/geometry/shape.hpp"
 #include "server/world/world.hpp"
 
@@ -48,7 +49,14 @@ struct PoseSample {
   std::vector<std::uint32_t> object_numbers;
   std::vector<double> poses;       // 7 each: position in m, orientation w x y z
   std::vector<double> velocities;  // 6 each: linear in m/s, angular in rad/s; or empty: not known
-  bool has_odd_columns = false;    // the wire's columns differ in length; poses and velocities are then empty
+  std::uint32_t merged = 0;        // poses that newer ones in here have replaced since the server had too many
+  std::vector<std::uint8_t> merged_objects;  // 1: it replaced some of that object; empty where merged is 0
+  bool has_odd_columns = false;              // the wire's columns differ in length; poses and velocities are then empty
+
+  /// It says that its publisher lives, and nothing about objects.
+  bool is_only_alive() const {
+    return object_numbers.empty() && (source_time_ns == 0 || (flags & wire_contract::kStreamed) != 0);
+  }
 };
 
 }  // namespace collided::engine::service

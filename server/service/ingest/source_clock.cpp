@@ -3,10 +3,14 @@
 #include <algorithm>
 
 namespace collided::engine::service {
+namespace {
+
+/// Within this range the difference of two stamps does not overflow; it reaches 146 years beyond 1970.
+constexpr std::int64_t kMostSourceNs = std::int64_t{1} << 62;
+
+}  // namespace
 
 WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) {
-  // Within this range the difference of two stamps does not overflow; it reaches 146 years beyond 1970.
-  constexpr std::int64_t kMostSourceNs = std::int64_t{1} << 62;
   is_without_stamps_ = source_ns <= 0 || source_ns > kMostSourceNs;
   if (is_without_stamps_) {
     newest_ns_ = std::max(newest_ns_, received_ns);
@@ -28,6 +32,12 @@ WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) 
   // World time never falls, not even over a jump: what was reported before it stays valid.
   newest_ns_ = std::max(newest_ns_ + (jumped ? 1 : 0), time_ns);
   return {newest_ns_, jumped ? StampKind::jumped : StampKind::good};
+}
+
+std::optional<std::int64_t> SourceClock::alive_at(std::int64_t source_ns, std::int64_t received_ns) const {
+  if (!started_ || source_ns <= 0 || source_ns > kMostSourceNs) return std::nullopt;
+  if (is_ahead_of_time(source_ns, received_ns)) return std::nullopt;
+  return source_ns + offset_ns_;
 }
 
 /// Whether a stamp is a jump ahead: farther on than the server's time since the last stamp, and in the server's future.

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <map>
 
+#include "idl/outside_text.hpp"
 #include "server/service/questions/nearest_word.hpp"
 #include "server/service/options/options_file.hpp"
 #include "server/service/options/quantities.hpp"
@@ -76,7 +77,8 @@ Flags read_flags(const std::vector<std::string>& arguments, Options& options) {
   } catch (const CLI::ParseError& error) { throw OptionsError(error.what()); }
   for (const std::string& extra : app.remaining()) {
     const std::string name = extra.substr(0, extra.find('='));
-    throw OptionsError(fmt::format("unknown option '{}'{}", name, did_you_mean(name, known_flags())));
+    throw OptionsError(
+        fmt::format("unknown option {}{}", wire_contract::in_quotes(name), did_you_mean(name, known_flags())));
   }
   std::erase_if(flags.values, [&](const auto& flag) { return app.count(flag.first) == 0; });
   if (log_json) flags.values["--log-json"] = "true";
@@ -136,11 +138,11 @@ void apply(const Effective& effective, Options& options) {
   const Setting& setting = *effective.setting;
   const std::optional<std::string> allowed = setting.apply(options, effective.values);
   if (!allowed) return;
-  throw OptionsError(fmt::format("{} is '{}'; allowed: {} (from {})", setting.key, joined(effective.values), *allowed,
-                                 effective.origin));
+  throw OptionsError(fmt::format("{} is {}; allowed: {} (from {})", setting.key,
+                                 wire_contract::in_quotes(joined(effective.values)), *allowed, effective.origin));
 }
 
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
   std::string quoted_text = "\"";
   for (const char c : text) {
     if (c == '"' || c == '\\') quoted_text += '\\';
@@ -152,13 +154,13 @@ std::string quoted(const std::string& text) {
 std::string toml_value(const Effective& effective) {
   if (effective.setting->many) {
     std::vector<std::string> items;
-    for (const std::string& value : effective.values) items.push_back(quoted(value));
+    for (const std::string& value : effective.values) items.push_back(in_quotes(value));
     return fmt::format("[{}]", fmt::join(items, ", "));
   }
   const std::string& text = effective.values[0];
   // Numbers and truths stand bare in TOML, all other texts in quotes.
   const bool bare = parse_whole(text).has_value() || text == "true" || text == "false";
-  return bare ? text : quoted(text);
+  return bare ? text : in_quotes(text);
 }
 
 }  // namespace
@@ -210,7 +212,7 @@ std::string help_text() {
   text +=
       "  --config FILE                           COLLIDED_CONFIG        TOML\n"
       "  --print-config     what is in effect, and where each value came from\n"
-      "  --check-config     check all of it, start nothing\n"
+      "  --check-config     check all of it and that scene files can be read; start nothing\n"
       "  --once             load, compare answers with brute force, exit\n"
       "  --version\n";
   return text;

@@ -40,17 +40,19 @@ struct Options {
   std::vector<Aabb> covers;         // where the loaded scenes are complete, in the world; none: not stated
   std::uint32_t max_objects = 0;
   std::uint32_t max_contacts = 0;
-  std::int64_t memory_ns = 0;           // how long poses are kept for questions about an instant; 0: not at all
-  std::int64_t clock_error_ns = 0;      // by which publishers' clocks may differ
-  double error_m = 0;                   // accepted for questions that name none; 0: exact on doubt
-  std::int64_t deadline_ns = 0;         // for questions that bring none; 0: none
-  std::int64_t flight_recorder_ns = 0;  // how far back; 0: none
-  std::uint64_t audit_every = 0;        // one answer in so many is worked out again; 0: none
-  bool asks_fcl = false;                // FCL gives its opinion on those answers too
-  int domain = 0;                       // of DDS
-  std::string interface;                // "lo", "auto" or the name of a network interface
-  std::vector<std::string> peers;       // hosts to look for besides
-  std::string keys;                     // folder of keys; empty: none, and everybody may everything
+  std::uint32_t max_intervals = 0;
+  std::int64_t memory_ns = 0;       // how long poses are kept for questions about an instant; 0: not at all
+  std::int64_t clock_error_ns = 0;  // by which publishers' clocks may differ
+  std::int64_t forget_after_ns = 5'000'000'000;  // a lost publisher's objects stay stale for so long
+  double error_m = 0;                            // accepted for questions that name none; 0: exact on doubt
+  std::int64_t deadline_ns = 0;                  // for questions that bring none; 0: none
+  std::int64_t flight_recorder_ns = 0;           // how far back; 0: none
+  std::uint64_t audit_every = 0;                 // one answer in so many is worked out again; 0: none
+  bool asks_fcl = false;                         // FCL gives its opinion on those answers too
+  int domain = 0;                                // of DDS
+  std::string interface;                         // "lo", "auto" or the name of a network interface
+  std::vector<std::string> peers;                // hosts to look for besides
+  std::string keys;                              // folder of keys; empty: none, and everybody may everything
   std::string log_level;
   bool log_json = false;
 

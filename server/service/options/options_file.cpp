@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <fstream>
 #include <optional>
 #include <toml++/toml.h>
 
+#include "idl/outside_text.hpp"
 #include "server/service/questions/nearest_word.hpp"
+#include "server/service/questions/validation.hpp"
 #include "server/service/options/options.hpp"
 
 namespace collided::engine::service {
@@ -78,18 +81,45 @@ void read_table(const std::string& path, const std::string& name, const toml::ta
                                       [&](const Setting& candidate) { return candidate.key == full; });
     if (setting == settings().end()) {
       refuse(path, key.source().begin,
-             fmt::format("unknown key '{}' in [{}]{}", key.str(), name, did_you_mean(key.str(), keys)));
+             fmt::format("unknown key {} in [{}]{}", printable(key.str()), name, did_you_mean(key.str(), keys)));
     }
     values.push_back(read_value(path, *setting, node));
+  }
+}
+
+std::string text_of_file(const std::string& path) {
+  constexpr std::size_t kMostBytes = 1 << 20;
+  std::ifstream file(path, std::ios::binary);
+  if (!file) throw OptionsError(path + ": File could not be opened for reading");
+  // One byte more than is allowed, so that a longer file is seen to be one.
+  std::string text(kMostBytes + 1, '\0');
+  file.read(text.data(), static_cast<std::streamsize>(text.size()));
+  if (file.bad()) throw OptionsError(path + ": it cannot be read");
+  text.resize(static_cast<std::size_t>(file.gcount()));
+  if (text.size() > kMostBytes) throw OptionsError(fmt::format("{}: it has more than {} bytes", path, kMostBytes));
+  return text;
+}
+
+/// toml++ makes a table in a table of each dot in a key, and calls itself once for each of them.
+void refuse_deep_keys(const std::string& path, std::string_view text) {
+  constexpr std::size_t kMostDots = 64;
+  std::size_t dots = 0, line = 1;
+  for (const char c : text) {
+    line += c == '\n' ? 1 : 0;
+    if (std::string_view("=,[]{}\n").find(c) != std::string_view::npos) dots = 0;
+    else if (c == '.' && ++dots > kMostDots)
+      throw OptionsError(fmt::format("{} line {}: more than {} dots in one word", path, line, kMostDots));
   }
 }
 
 }  // namespace
 
 std::vector<FileValue> read_options_file(const std::string& path) {
+  const std::string text = text_of_file(path);
+  refuse_deep_keys(path, text);
   toml::table file;
   try {
-    file = toml::parse_file(path);
+    file = toml::parse(text, path);
   } catch (const toml::parse_error& error) {
     const toml::source_position where = error.source().begin;
     if (where.line == 0) throw OptionsError(fmt::format("{}: {}", path, error.description()));
@@ -101,10 +131,12 @@ std::vector<FileValue> read_options_file(const std::string& path) {
     const std::string name(key.str());
     const toml::table* table = node.as_table();
     if (!table) {
-      refuse(path, key.source().begin, fmt::format("key '{}' stands outside of a table such as [server]", name));
+      refuse(path, key.source().begin,
+             fmt::format("key {} stands outside of a table such as [server]", printable(name)));
     }
     if (std::find(tables.begin(), tables.end(), name) == tables.end()) {
-      refuse(path, key.source().begin, fmt::format("unknown table [{}]{}", name, did_you_mean(name, tables)));
+      refuse(path, key.source().begin,
+             fmt::format("unknown table [{}]{}", wire_contract::shown(name), did_you_mean(name, tables)));
     }
     read_table(path, name, *table, values);
   }

@@ -186,8 +186,18 @@ Allowed apply_max_objects(Options& options, Values values) {
   return apply_whole(options.max_objects, values, 1, 16'000'000);
 }
 
+Allowed apply_max_intervals(Options& options, Values values) {
+  return apply_whole(options.max_intervals, values, 1, 1'000'000);
+}
 Allowed apply_max_contacts(Options& options, Values values) {
   return apply_whole(options.max_contacts, values, 1, 100'000'000);
+}
+
+Allowed apply_forget_after(Options& options, Values values) {
+  const std::optional<std::int64_t> silence = parse_duration_ns(values[0]);
+  if (!silence || *silence < 0 || *silence > 3'600'000'000'000) return "a time from 0 to 1h (3600s)";
+  options.forget_after_ns = *silence;
+  return std::nullopt;
 }
 
 Allowed apply_clock_error(Options& options, Values values) {
@@ -348,13 +358,14 @@ Allowed apply_log_json(Options& options, Values values) {
 
 constexpr Setting kSettings[] = {
     {"server.namespace", "--namespace", "COLLIDED_NAMESPACE", "collided", "NAME",
-     "topics are NAME/object, NAME/query, ...", false, apply_namespace},
+     "topics are NAME/object_v2, NAME/query_v2, ...", false, apply_namespace},
     {"server.threads", "--threads", "COLLIDED_THREADS", "0", "N", "threads that answer; 0: one a core", false,
      apply_threads},
     {"server.step", "--step", "COLLIDED_STEP", "on-sample", "TIME", "period of the collision step, or on-sample", false,
      apply_step},
     {"server.state_dir", "--state-dir", "COLLIDED_STATE_DIR", "", "DIR",
-     "keeps the epoch across starts; default: the user's state folder", false, apply_state_dir},
+     "keeps the epoch, the journal, uploads and flight records; default: the user's state folder", false,
+     apply_state_dir},
     {"server.standby_of", "--standby-of", "COLLIDED_STANDBY_OF", "", "NAMESPACE",
      "stand by for the primary of that namespace: hold the same world, take its place where it fails", false,
      apply_standby_of},
@@ -396,8 +407,14 @@ constexpr Setting kSettings[] = {
      false, apply_max_objects},
     {"world.max_contacts", "--max-contacts", "COLLIDED_MAX_CONTACTS", "10000000", "N",
      "that one step may find; what comes after is truncated", false, apply_max_contacts},
+    {"world.max_intervals", "--max-intervals", "COLLIDED_MAX_INTERVALS", "64", "N",
+     "contacts of one pair between two poses; beyond them the pair is in doubt (cost_limit)", false,
+     apply_max_intervals},
     {"world.clock_error", "--clock-error", "COLLIDED_CLOCK_ERROR", "0", "TIME",
      "of publishers' clocks against each other; widens brackets between objects of two", false, apply_clock_error},
+    {"world.forget_after", "--forget-after", "COLLIDED_FORGET_AFTER", "5s", "TIME",
+     "a lost publisher's objects stay stale for so long, before they leave by their lost policies", false,
+     apply_forget_after},
     {"world.memory", "--memory", "COLLIDED_MEMORY", "30s", "TIME",
      "where objects were in so long is kept, for questions about an instant, at most 512 MiB of it; off", false,
      apply_memory},

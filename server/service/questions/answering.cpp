@@ -138,8 +138,11 @@ void Answering::route(AskPointer ask, AskPointer* single) {
   const WriteBarriers::Outcome outcome = with_.write_barriers.pass(ask);
   if (outcome == WriteBarriers::Outcome::parked) return;
   if (outcome == WriteBarriers::Outcome::full) {
-    refuse_later(std::move(ask),
-                 fmt::format("{} questions wait for a publisher's samples, the limit", WriteBarriers::kMost));
+    refuse_later(
+        std::move(ask),
+        fmt::format("too many questions wait for a publisher's samples: at most {} in all, {} of one process, "
+                    "the last {} for processes with fewer than {}",
+                    WriteBarriers::kMost, WriteBarriers::kMostOfOne, WriteBarriers::kReserved, WriteBarriers::kFew));
   } else if (single && !*single && is_single(*ask->query)) {
     *single = std::move(ask);
   } else {

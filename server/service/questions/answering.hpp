@@ -116,6 +116,8 @@ class Answering {
   PastStates& past_states() { return past_states_; }
   /// Whether the queue is more than half full, or refused something since the last call. One thread.
   bool was_pressed();
+  /// Clients::turned_away(). Any thread.
+  std::uint64_t clients_turned_away() const { return clients_.turned_away(); }
 
  private:
   static constexpr std::size_t kMostQueued = 4'096;

@@ -52,8 +52,9 @@ void Answering::Worker::run_costly() {
 void Answering::Worker::work(AskPointer ask) {
   // Who is gone since a chunk was begun is not met anew.
   const std::uint64_t id = ask->query->client;
-  const std::shared_ptr<Client> client =
-      ask->answered > 0 || ask->is_costly ? owner_.clients_.find(id) : owner_.clients_.meet(id, ask->owner);
+  const std::shared_ptr<Client> client = ask->answered > 0 || ask->is_costly
+                                             ? owner_.clients_.find(id)
+                                             : owner_.clients_.meet(id, ask->owner, ask->from.participant);
   if (!client) {
     ++owner_.with_.counts.unanswerable;
     owner_.pool_.put(std::move(ask));

@@ -18,7 +18,7 @@ void Client::note_reported(std::uint64_t version) {
   while (told < version && !reported_version_.compare_exchange_weak(told, version, std::memory_order_relaxed)) {}
 }
 
-std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
+std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker, std::uint64_t participant) {
   const std::uint32_t place = wire_contract::reply_place(id);
   std::shared_ptr<Client> client;
   {
@@ -26,9 +26,11 @@ std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
     const auto found = clients_.find(id);
     if (found != clients_.end()) {
       if (found->second->asker_ == asker) client = found->second;
-    } else if (clients_.size() < kMost && count_of(asker) < kMostOfOne) {
-      client = std::make_shared<Client>(id, asker, places_[place], steady_ns());
+    } else if (has_place_for(asker, participant)) {
+      client = std::make_shared<Client>(id, asker, participant, places_[place], steady_ns());
       clients_.emplace(id, client);
+    } else {
+      turned_away_.fetch_add(1, std::memory_order_relaxed);
     }
   }
   if (!client) return nullptr;
@@ -43,10 +45,15 @@ std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker) {
   return client;
 }
 
-/// With mutex_ held.
-std::size_t Clients::count_of(std::uint64_t asker) const {
-  return static_cast<std::size_t>(
-      std::ranges::count_if(clients_, [&](const auto& entry) { return entry.second->asker_ == asker; }));
+/// With mutex_ held. The last places are for processes with few clients, so that others do not shut them out.
+bool Clients::has_place_for(std::uint64_t asker, std::uint64_t participant) const {
+  std::size_t of_asker = 0, of_participant = 0;
+  for (const auto& [id, client] : clients_) {
+    of_asker += client->asker_ == asker ? 1 : 0;
+    of_participant += client->participant_ == participant ? 1 : 0;
+  }
+  const std::size_t limit = of_participant < kFew ? kMost : kMost - kReserved;
+  return clients_.size() < limit && of_asker < kMostOfOne && of_participant < kMostOfParticipant;
 }
 
 void Clients::open(std::uint32_t number) {
@@ -71,7 +78,7 @@ std::shared_ptr<Client> Clients::find(std::uint64_t id) const {
 }
 
 std::shared_ptr<Client> Clients::departed(std::uint64_t id) {
-  return std::make_shared<Client>(id, 0, places_[wire_contract::reply_place(id)], steady_ns(), true);
+  return std::make_shared<Client>(id, 0, 0, places_[wire_contract::reply_place(id)], steady_ns(), true);
 }
 
 Client* Clients::find_ready(std::uint64_t id, std::uint64_t asker) {

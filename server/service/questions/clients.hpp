@@ -37,8 +37,9 @@ class ReplyPlace {
 /// One client, and its asks that wait until a reader is matched where its replies go.
 class Client {
  public:
-  Client(std::uint64_t id, std::uint64_t asker, ReplyPlace& place, std::int64_t met_ns, bool is_departed = false)
-      : id_(id), met_ns_(met_ns), asker_(asker), place_(place), is_departed_(is_departed) {}
+  Client(std::uint64_t id, std::uint64_t asker, std::uint64_t participant, ReplyPlace& place, std::int64_t met_ns,
+         bool is_departed = false)
+      : id_(id), met_ns_(met_ns), asker_(asker), participant_(participant), place_(place), is_departed_(is_departed) {}
   std::uint64_t id() const { return id_; }
   /// False: the reply was not written, since no reader is matched or a reader's queue stayed full. Of a departed client
   /// nobody misses it.
@@ -56,7 +57,8 @@ class Client {
 
   const std::uint64_t id_;
   const std::int64_t met_ns_;
-  const std::uint64_t asker_;  // Ask::owner: others may not ask in its name
+  const std::uint64_t asker_;        // Ask::owner: others may not ask in its name
+  const std::uint64_t participant_;  // of DDS: the process
   ReplyPlace& place_;
   const bool is_departed_;
   std::mutex mutex_;
@@ -75,6 +77,9 @@ class Clients {
  public:
   static constexpr std::size_t kMost = 1'000;                              // clients
   static constexpr std::size_t kMostOfOne = 64;                            // of one Ask::owner
+  static constexpr std::size_t kMostOfParticipant = 256;                   // of one process
+  static constexpr std::size_t kReserved = 128;                            // of kMost, for processes ...
+  static constexpr std::size_t kFew = 8;                                   // ... with fewer than so many
   static constexpr std::size_t kMostWaiting = 256;                         // asks of one client
   static constexpr std::size_t kMostBytesOfOne = std::size_t{8} << 20;     // of those that wait, of one Ask::owner
   static constexpr std::size_t kMostWaitingBytes = std::size_t{64} << 20;  // of all
@@ -85,9 +90,11 @@ class Clients {
   Clients(const dds::Topic<wire::Reply>& topic, std::function<void(std::uint32_t)> listening)
       : topic_(topic), listening_(std::move(listening)) {}
 
-  /// The client of an ask, made when it is first seen, with the writer of its place; null where kMost are there, or
-  /// kMostOfOne of this asker, or the number belongs to another one, which used it first and lives.
-  std::shared_ptr<Client> meet(std::uint64_t id, std::uint64_t asker);
+  /// The client of an ask, made when it is first seen, with the writer of its place; null where there are too many
+  /// clients in all, of this asker or of its process, or where the number belongs to another asker that lives.
+  std::shared_ptr<Client> meet(std::uint64_t id, std::uint64_t asker, std::uint64_t participant);
+  /// Asks that were not taken because there are too many clients. Any thread.
+  std::uint64_t turned_away() const { return turned_away_.load(std::memory_order_relaxed); }
   /// Null where the client is not known.
   std::shared_ptr<Client> find(std::uint64_t id) const;
   /// The client of an ask if its replies can be written at once, else null. For the listener of questions alone.
@@ -114,13 +121,14 @@ class Clients {
   static constexpr std::size_t kRecent = 16;
 
   void open(std::uint32_t place);
-  std::size_t count_of(std::uint64_t asker) const;
+  bool has_place_for(std::uint64_t asker, std::uint64_t participant) const;
   bool has_room_for(std::size_t more_bytes, std::uint64_t asker) const;
 
   const dds::Topic<wire::Reply>& topic_;
   std::function<void(std::uint32_t)> listening_;
   mutable std::mutex mutex_;
   std::map<std::uint64_t, std::shared_ptr<Client>> clients_;
+  std::atomic<std::uint64_t> turned_away_{0};
   std::atomic<std::uint64_t> departures_{0};             // clients forgotten: recent_ may hold one of them
   std::array<std::shared_ptr<Client>, kRecent> recent_;  // of the listener's thread alone, by client modulo kRecent
   std::uint64_t recent_departures_ = 0;                  // departures_ when recent_ was filled

@@ -14,9 +14,16 @@ WriteBarriers::Outcome WriteBarriers::pass(AskPointer& ask) {
   if ((*ask->query).barrier_publisher == 0 || ask->passed_barrier) return Outcome::passed;
   const std::lock_guard lock(mutex_);
   if (reached(*ask->query)) return Outcome::passed;
-  if (waiting_.size() >= kMost) return Outcome::full;
+  if (!has_room_for(ask->from.participant)) return Outcome::full;
   waiting_.push_back(std::move(ask));
   return Outcome::parked;
+}
+
+/// The last places are for processes with few questions that wait, so that others do not have theirs refused.
+bool WriteBarriers::has_room_for(std::uint64_t participant) const {
+  const auto own = static_cast<std::size_t>(
+      std::ranges::count_if(waiting_, [&](const AskPointer& ask) { return ask->from.participant == participant; }));
+  return own < kMostOfOne && waiting_.size() < (own < kFew ? kMost : kMost - kReserved);
 }
 
 void WriteBarriers::update(const Applied& applied) {

@@ -14,10 +14,14 @@ namespace collided::engine::service {
 /// threads  any; update() after each step, by the world's thread
 class WriteBarriers {
  public:
-  static constexpr std::size_t kMost = 1'024;
+  static constexpr std::size_t kMost = 1'024;     // questions
+  static constexpr std::size_t kMostOfOne = 512;  // of one process
+  static constexpr std::size_t kReserved = 256;   // of kMost, for processes ...
+  static constexpr std::size_t kFew = 16;         // ... with fewer than so many
   static constexpr std::int64_t kPatienceNs = 1'000'000'000;
 
-  /// passed: the question may go on. parked: it waits here. full: kMost wait already, and it does not.
+  /// passed: the question may go on. parked: it waits here. full: too many wait already, in all or
+  /// of its process, and it does not.
   enum class Outcome : std::uint8_t { passed, parked, full };
   /// Checks the ask's barrier, and takes the ask where it is parked.
   Outcome pass(AskPointer& ask);
@@ -38,6 +42,7 @@ class WriteBarriers {
  private:
   std::uint64_t applied_locked(std::uint64_t publisher) const;
   bool reached(const wire::Query& query) const;
+  bool has_room_for(std::uint64_t participant) const;
   template <class Chosen>
   std::vector<AskPointer> take_if(Chosen&& chosen);
 

@@ -5,6 +5,7 @@
 #include <nlohmann/json.hpp>
 
 #include "idl/commands.hpp"
+#include "idl/glob.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -43,6 +44,15 @@ std::string pair_of(const json& arguments) {
 }
 
 }  // namespace
+
+template <class IsChosen>
+std::size_t FlightCommands::drop_if(const IsChosen& is_chosen) {
+  return std::erase_if(kept_, [&](const Kept& command) {
+    const bool drop = is_chosen(command);
+    bytes_ -= drop ? command.bytes.size() : 0;
+    return drop;
+  });
+}
 
 void FlightCommands::asked(const wire::Query& query) {
   if (query.kind != static_cast<std::uint8_t>(wire_contract::RequestKind::command)) return;
@@ -93,7 +103,7 @@ void FlightCommands::done(const std::vector<std::byte>& query, const json& answe
     drop(command.what, command.name);
   }
   if (command.what == names::kClear) return cleared(std::move(command), arguments, take);
-  if (command.what == names::kProbe) return probed(std::move(command), arguments, answer);
+  if (command.what == names::kProbe) return probed(std::move(command), arguments);
   if (command.what == names::kAllow || command.what == names::kDeny) return ruled(std::move(command), arguments);
   if (command.what == names::kAttach) return attached(std::move(command), arguments, answer);
   if (command.what == names::kDetach) {
@@ -136,15 +146,13 @@ void FlightCommands::cleared(Kept clear, const json& arguments, const TakePublis
   if (is_of_scene) drop(names::kLoad, scene);
   if (!is_of_scene || moving) {
     static_cast<void>(take(nullptr, moving));
-    std::erase_if(kept_, [&](const Kept& command) {
+    drop_if([&](const Kept& command) {
       const bool is_loaded = !moving && command.what == names::kLoad;
       const bool is_added = command.what == names::kAdd && (command.moving || !moving);
       // Where only moving objects go, a move or a removal may be about an object that stays. One about an object that
       // is gone is refused when it is carried out again, which does no harm.
       const bool is_about_gone = !moving && (command.what == names::kMove || command.what == names::kRemove);
-      const bool drop = is_loaded || is_added || is_about_gone;
-      bytes_ -= drop ? command.bytes.size() : 0;
-      return drop;
+      return is_loaded || is_added || is_about_gone;
     });
   }
   // The command itself is kept too: it also removes scenes that the server started with and what came with scenes.
@@ -153,16 +161,15 @@ void FlightCommands::cleared(Kept clear, const json& arguments, const TakePublis
   keep(std::move(clear));
 }
 
-void FlightCommands::probed(Kept probe, const json& arguments, const json& answer) {
+/// A removal goes by its glob: the names in its answer may be more than one sample holds.
+void FlightCommands::probed(Kept probe, const json& arguments) {
   if (!truth_of(arguments, "remove", false)) {
     drop(probe.what, probe.name);
     return keep(std::move(probe));
   }
-  const auto gone = answer.is_object() ? answer.find("probes") : answer.end();
-  if (gone == answer.end() || !gone->is_array()) return;
-  for (const json& name : *gone) {
-    if (name.is_string()) drop(names::kProbe, name.get<std::string>());
-  }
+  drop_if([&](const Kept& command) {
+    return command.what == names::kProbe && wire_contract::glob_matches(probe.name, command.name);
+  });
 }
 
 /// The newest rule of a pair stands; one that takes back needs another that allows.
@@ -197,11 +204,7 @@ void FlightCommands::keep(Kept command) {
 }
 
 std::size_t FlightCommands::drop(std::string_view what, std::string_view name) {
-  return std::erase_if(kept_, [&](const Kept& command) {
-    const bool drop = command.what == what && command.name == name;
-    bytes_ -= drop ? command.bytes.size() : 0;
-    return drop;
-  });
+  return drop_if([&](const Kept& command) { return command.what == what && command.name == name; });
 }
 
 void FlightCommands::write(const std::function<void(Recorded, std::span<const std::byte>)>& put) const {

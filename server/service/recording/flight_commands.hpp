@@ -58,11 +58,13 @@ class FlightCommands {
   void done(const std::vector<std::byte>& query, const nlohmann::json& answer, const TakePublished& take);
   void removed(const nlohmann::json& names, const TakePublished& take);
   void cleared(Kept clear, const nlohmann::json& arguments, const TakePublished& take);
-  void probed(Kept probe, const nlohmann::json& arguments, const nlohmann::json& answer);
+  void probed(Kept probe, const nlohmann::json& arguments);
   void ruled(Kept rule, const nlohmann::json& arguments);
   void attached(Kept attachment, nlohmann::json arguments, const nlohmann::json& answer);
   void keep(Kept command);
   /// Forgets the commands of this kind and name; returns how many there were.
+  template <class IsChosen>
+  std::size_t drop_if(const IsChosen& is_chosen);
   std::size_t drop(std::string_view what, std::string_view name);
 
   std::vector<Kept> kept_;

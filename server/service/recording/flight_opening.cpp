@@ -78,6 +78,10 @@ void FlightOpening::fold(const wire::Definition& definition) {
   if (publisher == nullptr) return;
   publisher->last_sequence = std::max<std::uint64_t>(publisher->last_sequence, definition.sequence_number);
   publisher->definitions_through = std::max<std::uint64_t>(publisher->definitions_through, definition.sequence_number);
+  if (definition.object_number == wire_contract::kPublisherItself) {
+    if (definition.shape._length == 0) publisher->itself = wire::cdr_bytes(definition);
+    return;
+  }
   const auto found = publisher->objects.find(definition.object_number);
   if (found != publisher->objects.end()) {
     if (found->second.sequence > definition.sequence_number) return;
@@ -110,7 +114,9 @@ void FlightOpening::fold(const wire::PoseBatch& batch) {
   if (publisher == nullptr || wire::row_count<wire::PoseBatch>(batch, wire::kPoseColumns) != numbers.size()) return;
   wire::gather_rows<wire::PoseBatch>(batch, wire::kPoseColumns, rows_);
   publisher->last_sequence = std::max<std::uint64_t>(publisher->last_sequence, batch.sequence_number);
-  publisher->source_time_ns = std::max<std::int64_t>(publisher->source_time_ns, batch.source_time_ns);
+  const bool is_only_alive = numbers.empty() && (batch.flags & wire_contract::kStreamed) != 0;
+  if (!is_only_alive)
+    publisher->source_time_ns = std::max<std::int64_t>(publisher->source_time_ns, batch.source_time_ns);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
     // Poses may come before the definition of their object, which is on a topic of its own.
     const auto defined = publisher->objects.find(numbers[i]);
@@ -156,6 +162,7 @@ void FlightOpening::fold(const wire::Status& status) {
   const auto ids = dds::view(status.publishers);
   const auto states = dds::view(status.publisher_states);
   if (ids.size() != states.size()) return;
+  newest_status_ns_ = std::max<std::int64_t>(newest_status_ns_, status.world_time_ns);
   std::map<std::uint64_t, std::uint8_t> listed;
   for (std::size_t i = 0; i < ids.size(); ++i) listed[ids[i]] = states[i];
   for (auto next = publishers_.begin(); next != publishers_.end();) {
@@ -164,7 +171,9 @@ void FlightOpening::fold(const wire::Status& status) {
     const auto state = listed.find(here->first);
     if (state != listed.end()) {
       publisher.was_listed = true;
-      publisher.lost = state->second == static_cast<std::uint8_t>(wire_contract::PublisherState::lost);
+      const bool is_lost = state->second == static_cast<std::uint8_t>(wire_contract::PublisherState::lost);
+      if (is_lost && !publisher.lost) publisher.lost_ns = status.world_time_ns;
+      publisher.lost = is_lost;
     } else if (publisher.was_listed) {  // else its first samples are newer than the status
       forget(publisher);
       publishers_.erase(here);
@@ -195,14 +204,16 @@ void FlightOpening::hold(const wire::ContactShard& shard, Shards& shards) {
   shards[shard.shard] = std::move(bytes);
 }
 
-/// Whether the object is in the world. One that leaves with its lost publisher is not, but stays known: the publisher
+/// Whether the object is in the world. One that has left with its lost publisher is not, but stays known: the publisher
 /// may come back with it.
-bool FlightOpening::is_there(const Publisher& publisher, const Defined& defined) {
-  return !publisher.lost || defined.lost_policy != static_cast<std::uint8_t>(wire_contract::LostPolicy::remove);
+bool FlightOpening::is_there(const Publisher& publisher, const Defined& defined) const {
+  return !publisher.lost || newest_status_ns_ - publisher.lost_ns < forget_after_ns_ ||
+         defined.lost_policy != static_cast<std::uint8_t>(wire_contract::LostPolicy::remove);
 }
 
 void FlightOpening::write(const std::function<void(Recorded, std::span<const std::byte>)>& put) const {
   for (const auto& [id, publisher] : publishers_) {
+    if (!publisher.itself.empty()) put(Recorded::object, publisher.itself);
     // In the order in which they were defined, since ties between objects are broken by their age.
     std::map<std::uint64_t, const Defined*> by_age;
     for (const auto& [number, defined] : publisher.objects) {

@@ -28,6 +28,9 @@ class FlightOpening {
   static constexpr std::size_t kMostContactBytes = std::size_t{16} << 20;
   static constexpr std::size_t kMostObjects = 200'000;
 
+  /// forget_after_ns  for so long a lost publisher's objects stay, before their lost policies apply
+  explicit FlightOpening(std::int64_t forget_after_ns = 0) : forget_after_ns_(forget_after_ns) {}
+
   /// Folds whole MCAP message records, oldest first, as flight_ring.hpp makes them.
   void fold(std::span<const std::byte> records);
   void fold(const wire::Definition& definition);
@@ -64,8 +67,10 @@ class FlightOpening {
     std::uint64_t last_sequence = 0;
     std::uint64_t definitions_through = 0;
     std::int64_t source_time_ns = 0;
-    bool was_listed = false;  // a status has named it
+    std::vector<std::byte> itself;  // its Definition of the publisher itself, in CDR; empty: there is none
+    bool was_listed = false;        // a status has named it
     bool lost = false;
+    std::int64_t lost_ns = 0;                            // world time of the first status that says so
     std::unordered_map<std::uint32_t, Defined> objects;  // by object number
     std::unordered_map<std::uint32_t, Posed> poses;      // by object number; may be there before the definition
   };
@@ -75,9 +80,11 @@ class FlightOpening {
   Publisher* meet(std::uint64_t id, std::uint64_t incarnation);
   void forget(Publisher& publisher);
   void drop(Publisher& publisher, std::uint32_t number, const Defined& defined);
-  static bool is_there(const Publisher& publisher, const Defined& defined);
+  bool is_there(const Publisher& publisher, const Defined& defined) const;
   bool take_published(const std::string* name, bool moving_only);
 
+  std::int64_t forget_after_ns_;
+  std::int64_t newest_status_ns_ = 0;  // world time
   std::map<std::uint64_t, Publisher> publishers_;
   FlightCommands commands_;
   Shards contacts_;

@@ -56,12 +56,14 @@ void write_all(int file, std::span<const std::byte> bytes) {
 
 }  // namespace
 
-FlightRecorder::FlightRecorder(const std::string& name_space, std::int64_t window_ns, std::string stem)
+FlightRecorder::FlightRecorder(const std::string& name_space, std::int64_t window_ns, std::string stem,
+                               std::int64_t forget_after_ns)
     : name_space_(name_space),
       window_ns_(static_cast<std::uint64_t>(window_ns)),
       stem_(std::move(stem)),
       crash_path_(stem_ + "_crash.mcap"),
       ring_(kRingBytes),
+      opening_(forget_after_ns),
       window_(window_ns_, [this](std::span<const std::byte> records) { opening_.fold(records); }) {
   mcap::put_opening(prologue_, recording::library_name(), recording::channels_of(name_space_));
   mcap::put_channels_in_use(fence_prologue_, recording::channels_of(name_space_));
@@ -101,7 +103,16 @@ FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) 
   FlightFile file{
       .path = stem_ + "_" + word + ".mcap", .bytes = 0, .messages = 0, .dropped = 0, .from_ns = 0, .to_ns = now_ns()};
   file.from_ns = file.to_ns - std::min(static_cast<std::uint64_t>(std::max<std::int64_t>(0, last_ns)), window_ns_);
+  ::unlink(file.path.c_str());  // an earlier file would keep the rights that it was made with
   mcap::FileOutput output(file.path);
+  // A file that is cut short is of no use, and takes the room that the journal needs.
+  struct UnlessWritten {
+    const std::string& path;
+    bool is_due = true;
+    ~UnlessWritten() {
+      if (is_due) ::unlink(path.c_str());
+    }
+  } removal{file.path};
   mcap::FileWriter writer(output, recording::library_name(), recording::channels_of(name_space_));
   {
     // Samples that come meanwhile wait in the ring.
@@ -130,6 +141,7 @@ FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) 
     }
   }
   if (!writer.close()) throw std::runtime_error(output.problem());
+  removal.is_due = false;
   file.bytes = output.size();
   file.messages = writer.messages_written();
   return file;
@@ -163,10 +175,11 @@ void FlightRecorder::on_fatal_signal(int signal) {
   std::raise(signal);
 }
 
-/// Only open, write and close: a signal handler may neither allocate nor lock. Without checksums and without an end
+/// Only unlink, open, write and close: a signal handler may neither allocate nor lock. Without checksums and without an end
 /// record; a reader takes such a file up to its last whole chunk.
 void FlightRecorder::write_crash_file() const {
-  const int file = ::open(crash_path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0644);
+  ::unlink(crash_path_.c_str());  // an earlier file would keep the rights that it was made with
+  const int file = ::open(crash_path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
   if (file < 0) return;
   write_all(file, prologue_.all());
   if (has_fences_.load(std::memory_order_relaxed)) write_all(file, fence_prologue_.all());

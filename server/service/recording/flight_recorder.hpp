@@ -33,8 +33,10 @@ class FlightRecorder {
  public:
   /// name_space  of the recorded topics
   /// window_ns   how far back, above 0
+  /// forget_after_ns  as of FlightOpening
   /// stem        "folder/name" that the files' names begin with; empty: no file can be written
-  FlightRecorder(const std::string& name_space, std::int64_t window_ns, std::string stem);
+  FlightRecorder(const std::string& name_space, std::int64_t window_ns, std::string stem,
+                 std::int64_t forget_after_ns = 0);
   ~FlightRecorder();
 
   /// Records a sample.

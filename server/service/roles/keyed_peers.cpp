@@ -91,4 +91,14 @@ std::string KeyedPeers::look_for_revoked() {
   }
 }
 
+std::string KeyedPeers::look_for_turned_away() {
+  const std::uint64_t count = proven_.turned_away();
+  if (count < turned_away_to_report_) return {};
+  turned_away_to_report_ = 2 * count;
+  return fmt::format(
+      "programs without keys of this authority announce participants faster than they can be met; new clients wait. "
+      "Announcements ignored so far: {}",
+      count);
+}
+
 }  // namespace collided::engine::service

@@ -39,6 +39,8 @@ class KeyedPeers {
   ///
   /// returns  what there is to say about it; empty: nothing
   std::string look_for_revoked();
+  /// The same about participants that are not met, because too many others have proven nothing.
+  std::string look_for_turned_away();
 
  private:
   /// What was read of what a peer has shown.
@@ -57,6 +59,7 @@ class KeyedPeers {
   std::filesystem::file_time_type read_at_;  // the list's time when it was read
   std::int64_t looked_ns_ = 0;
   std::size_t revoked_count_ = 0;  // of the list as it was read
+  std::uint64_t turned_away_to_report_ = 1;
 };
 
 /// The library beside the program or where it was installed. Throws DdsError where there is none.

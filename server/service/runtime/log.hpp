@@ -1,7 +1,7 @@
 #pragma once
 
 #include <memory>
-#include <spdlog/logger.h>
+#include <spdlog/fwd.h>
 #include <string>
 
 namespace collided::engine::service {

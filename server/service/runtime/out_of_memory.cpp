@@ -4,6 +4,7 @@
 #include <unistd.h>
 
 #include <array>
+#include <csignal>
 #include <cstring>
 
 namespace collided::engine::service {
@@ -16,6 +17,19 @@ void end_out_of_memory(const char* where) noexcept {
   // If even this cannot be written there is nothing left to do about it; the sum keeps the compiler from warning.
   static_cast<void>(writev(STDERR_FILENO, line.data(), static_cast<int>(line.size())) + 1);
   _exit(kOutOfMemoryExit);
+}
+
+void report_aborts() noexcept {
+  struct sigaction action {};
+  action.sa_handler = [](int signal) {
+    constexpr char kLine[] =
+        "error: ended by abort(), which DDS calls where it gets no memory. Started again it recovers as after a "
+        "crash\n";
+    static_cast<void>(write(STDERR_FILENO, kLine, sizeof kLine - 1) + 1);
+    raise(signal);  // this one ends the process
+  };
+  action.sa_flags = static_cast<int>(SA_RESETHAND);
+  sigaction(SIGABRT, &action, nullptr);
 }
 
 }  // namespace collided::engine::service

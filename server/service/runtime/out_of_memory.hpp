@@ -14,4 +14,8 @@ inline constexpr int kOutOfMemoryExit = 71;
 /// threads  any
 [[noreturn]] void end_out_of_memory(const char* where) noexcept;
 
+/// Has an abort() say on stderr that it ends the process, and why that may be: DDS aborts where it gets no memory, and says
+/// nothing. The process ends by the signal all the same.
+void report_aborts() noexcept;
+
 }  // namespace collided::engine::service

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/exact_phase/exactly.hpp"
+#include "server/exact_phase/given/given_ray.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/geometry/guess_tolerance.hpp"
 #include "server/world/objects/parts.hpp"
@@ -118,10 +119,13 @@ void ExactAnswer::cast_ray(const Snapshot& snapshot) {
   const Ray ray = ray_of(question_.numbers.data());
   for (const ObjectId object : holders(snapshot, SolidSide::in))
     keep_nearer(met_, PartName{object, kNoTriangle}, Interval(0, 0));
-  visit_parts(snapshot, [&](ObjectId object, std::uint32_t triangle, const auto& shape, const GivenPart&) {
+  visit_parts(snapshot, [&](ObjectId object, std::uint32_t triangle, const auto& shape, const GivenPart& given) {
     if (!allowed(snapshot, object) || passes_by(ray, bounds(shape))) return;
     RayHit hit;
-    if (exactly::cast_ray(ray, shape, hit) != Decision::yes) return;
+    ExactResult meets{exactly::cast_ray(ray, shape, hit), Level::rational};
+    const double off_m = given.placing_error_m(ray.origin.lpNorm<1>());
+    if (off_m > 0) meets = ray_as_given(ray, as_part(shape), given, off_m, meets, hit);
+    if (!meets.yes()) return;
     keep_nearer(met_, PartName{object, triangle}, Interval(hit.distance_m, hit.distance_error_m));
   });
 }
@@ -173,11 +177,11 @@ void ExactAnswer::find_nearest(const Snapshot& snapshot, double far_m) {
     for (const ObjectId object : by_winding(snapshot, WindingSide::in)) keep_nearer(distances_, object, Interval(0, 0));
   }
   const bool is_open = far_m == std::numeric_limits<double>::infinity() && question_.max_hits == 1;
-  visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape, const GivenPart&) {
+  visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape, const GivenPart& given) {
     if (!allowed(snapshot, object) || distance_at_least(point, bounds(shape)) > far_m * (1 + kSearchMargin)) return;
-    if (std::isfinite(reach_m) && exactly::overlaps(Sphere{point, reach_m}, shape) != Decision::yes) return;
+    if (std::isfinite(reach_m) && touches(Sphere{point, reach_m}, {}, shape, given) != Decision::yes) return;
     const Closest nearest = exactly::closest(point, shape);
-    const Interval at(nearest.distance_m, nearest.distance_error_m);
+    const Interval at(nearest.distance_m, nearest.distance_error_m + given.placing_error_m(point.lpNorm<1>()));
     keep_nearer(distances_, object, at);
     // Beyond the nearest so far, nothing is asked for.
     if (is_open) far_m = std::min(far_m, at.high);

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "server/exact_phase/exactly.hpp"
+#include "server/exact_phase/given/given_overlap.hpp"
 #include "server/exact_phase/part.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/objects/parts.hpp"
@@ -32,14 +33,21 @@ struct BallSweep {
   }
 };
 
-/// What is met on the way, by rationals over every part.
+/// A part near the way, and as it was given.
+struct NearPart {
+  ConvexPart part;
+  GivenPart given;
+};
+
+/// What is met on the way, by rationals over every part, as given.
 class ExactSweep {
  public:
   ExactSweep(const Snapshot& snapshot, const BallSweep& ball) : ball_(ball) {
     slack_m_ = kPlaceSlack * (ball.from.norm() + ball.to.norm() + ball.radius_m);
     const Aabb reach = bounds(ball.until(1, slack_m_));
-    visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape, const GivenPart&) {
-      if (overlaps(reach, bounds(shape))) near_.emplace_back(shape);
+    visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape, GivenPart given) {
+      given.frame = nullptr;  // goes with the visit
+      if (overlaps(reach, bounds(shape))) near_.push_back({shape, given});
     });
     whole_ = touching(ball.until(1, 0));
   }
@@ -65,12 +73,14 @@ class ExactSweep {
 
  private:
   Decision touching(const Capsule& swept) const {
-    const Aabb reach = bounds(swept);
+    const Aabb reach = grown(bounds(swept), slack_m_);
     Decision found = Decision::no;
-    for (const ConvexPart& part : near_) {
+    for (const auto& [part, given] : near_) {
       if (!overlaps(reach, bounds_of_part(part))) continue;
-      const Decision here =
-          std::visit([&](const auto& shape) { return exactly::overlaps(Primitive(swept), shape); }, part);
+      const GivenPair pair{GivenPart{}, given};
+      Decision here = pair.is_exact() ? Decision::undecided : overlaps_as_given(Primitive(swept), part, pair);
+      if (here == Decision::undecided)
+        here = std::visit([&](const auto& shape) { return exactly::overlaps(Primitive(swept), shape); }, part);
       if (here == Decision::yes) return here;
       if (here == Decision::undecided) found = here;
     }
@@ -79,7 +89,7 @@ class ExactSweep {
 
   BallSweep ball_;
   double slack_m_ = 0;
-  std::vector<ConvexPart> near_;
+  std::vector<NearPart> near_;
   Decision whole_ = Decision::undecided;
 };
 

@@ -1,6 +1,7 @@
 #include "server/world/audit/random_questions.hpp"
 
 #include <limits>
+#include <type_traits>
 
 #include "server/world/objects/parts.hpp"
 
@@ -8,8 +9,12 @@ namespace collided::engine {
 
 RandomQuestions::RandomQuestions(const Snapshot& snapshot, std::uint64_t seed) : random_(seed) {
   Aabb world;
-  visit_parts(snapshot,
-              [&](ObjectId, std::uint32_t, const auto& shape, const GivenPart&) { world.extend(bounds(shape)); });
+  visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape, const GivenPart&) {
+    // A half-space has no end, but questions need a region that has one.
+    if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, HalfSpace>)
+      world.extend(bounds(Sphere{shape.point, 0}));
+    else world.extend(bounds(shape));
+  });
   if (world.empty()) return;
   size_m_ = (world.high - world.low).norm();
   // At least a millimetre, so that a world of one point has a neighbourhood.

@@ -277,7 +277,9 @@ void ContactLedger::retell_unsure(const std::function<bool(const OpenContact&)>&
   for (Event& event : events_) {
     const bool is_parted = event.reason == EndReason::separated || event.reason == EndReason::teleported ||
                            event.reason == EndReason::decided;
-    if (event.kind == EventKind::ended && is_parted && is_unsure(event.of)) event.reason = EndReason::removed;
+    // An `emerged` has a reason only if its contact ends with it, and then has the reason of the end.
+    const bool is_end = event.kind == EventKind::ended || event.kind == EventKind::emerged;
+    if (is_end && is_parted && is_unsure(event.of)) event.reason = EndReason::removed;
   }
 }
 

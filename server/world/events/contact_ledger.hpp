@@ -67,9 +67,9 @@ class ContactLedger {
   void touches(const FoundContact& found);
   /// A contact that holds ends.
   void parts(ObjectId a, ObjectId b, EndReason reason, double bracket_low_s, double bracket_high_s);
-  /// One of the two, whose contact is about to end, no longer lies within the other.
-  void emerges(ObjectId a, ObjectId b, const ContactEnd& when) {
-    changes_containment(number_of(a, b), Contained::none, when);
+  /// Of a contact that holds: one of the two came to lie within the other, or no longer does.
+  void changes_containment(ObjectId a, ObjectId b, Contained to, const ContactEnd& when) {
+    changes_containment(number_of(a, b), to, when);
   }
   /// It is not known whether the pair touches; an open contact or doubt of it stays as reported. found.contact is none.
   void doubts(const FoundContact& found, Doubt why);

@@ -194,11 +194,12 @@ std::string why_not_looked_at(const FenceRule& rule, const ObjectInfo& object) {
   if (!rule.nearest && !object.moving) return "it does not move";
   if (!rule.carrier.empty() && rule.carrier == object.name)
     return rule.nearest ? "the distances are to it" : "it carries the fence";
-  if ((object.filter.layers & rule.mask) == 0)
+  const bool has_band_of_either_group = rule.band && wire_contract::glob_matches(rule.band->around, object.name);
+  if (!has_band_of_either_group && (object.filter.layers & rule.mask) == 0)
     return fmt::format("its layers {:#x} are not in the {}'s mask {:#x}", object.filter.layers, who, rule.mask);
   if (!rule.skip.empty() && wire_contract::glob_matches(rule.skip, object.name))
     return fmt::format("the {} leaves '{}' out", who, rule.skip);
-  if (!rule.only.empty() && !wire_contract::glob_matches(rule.only, object.name))
+  if (!has_band_of_either_group && !rule.only.empty() && !wire_contract::glob_matches(rule.only, object.name))
     return fmt::format("the {} looks at '{}' alone", who, rule.only);
   return {};
 }

@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <unordered_set>
 
+#include "server/exact_phase/given/given_ray.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
+#include "server/geometry/placing_error.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/world/explain/ray_misses.hpp"
 #include "server/world/query/covered.hpp"
@@ -27,8 +29,14 @@ void find_part(const Ray& ray, const Snapshot& snapshot, const ObjectInfo& info,
   double nearest_m = kEndless;
   for (std::size_t i = 0; i < info.primitives.size(); ++i) {
     RayHit hit;
-    const Primitive placed = place(snapshot.frame(slot_of(info.id)), info.primitives[i]);
-    const ExactResult verdict = std::visit([&](const auto& part) { return cast_ray(ray, part, hit); }, placed);
+    const std::uint32_t slot = slot_of(info.id);
+    const Frame frame = snapshot.frame(slot);
+    const Primitive& own = info.primitives[i];
+    const double off_m =
+        snapshot.has_given_poses ? placing_error_m(frame, own, (ray.origin - frame.position).lpNorm<1>()) : 0;
+    const auto given = [&] { return GivenPart{.own = &own, .pose = &snapshot.poses[slot], .frame = &frame}; };
+    const ExactResult verdict = std::visit(
+        [&](const auto& part) { return cast_ray_as_given(ray, place(frame, part), off_m, given, hit); }, own);
     if (!verdict.yes() || hit.distance_m >= nearest_m) continue;
     nearest_m = hit.distance_m;
     meeting.level = verdict.level;

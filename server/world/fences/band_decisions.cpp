@@ -6,6 +6,7 @@
 
 #include "server/geometry/guess_tolerance.hpp"
 #include "server/geometry/tolerance.hpp"
+#include "server/world/objects/contact_times.hpp"
 
 namespace collided::engine {
 namespace {
@@ -22,14 +23,9 @@ constexpr double kPredictedWidth = 1e-9;
 constexpr double kPredictedTurn_rad = 1.5;
 
 GapBody body_of(const ObjectRows& rows, std::uint32_t slot, const BodyMotion& motion) {
-  return {.info = rows.info(slot), .motion = motion, .reach_m = motion.turn_rad > 0 ? rows[slot].reach_m : 0};
-}
-
-FencePiece reversed(const FencePiece& piece) {
-  FencePiece back = piece;
-  back.mover_motion = {piece.mover_motion.to, piece.mover_motion.from};
-  back.fence_motion = {piece.fence_motion.to, piece.fence_motion.from};
-  return back;
+  return {.info = rows.info(slot),
+          .motion = motion,
+          .reach_m = motion.turn_rad > 0 ? motion.lever_m(rows[slot].reach_m) : 0};
 }
 
 double seconds_of(const FencePiece& piece) {
@@ -43,8 +39,9 @@ BodyMotion goes_on(const BodyMotion& motion, double t, double piece_s, double se
   if (motion.turn_rad > 0) {
     const double angle = motion.turn_rad * (seconds / piece_s);
     then.rotation = Eigen::AngleAxisd(angle, motion.axis).toRotationMatrix() * now.rotation;
+    then.position += now.rotation * motion.pivot - then.rotation * motion.pivot;
   }
-  return {now, then};
+  return {now, then, motion.pivot};
 }
 
 }  // namespace
@@ -61,6 +58,7 @@ bool BandDecisions::is_in(const FencePiece& piece) {
 
 void BandDecisions::decide_piece(const FencePiece& piece) {
   if (is_resting(piece.mover_motion) && is_resting(piece.fence_motion) && piece.from_ns < piece.to_ns) return;
+  if (may_turn_back(piece)) return decide_turns(piece);
   is_in(piece) ? decide_one_that_is_in(piece) : decide_one_that_is_out(piece);
 }
 
@@ -87,6 +85,56 @@ void BandDecisions::decide_one_that_is_out(const FencePiece& piece) {
   ledger_.doubted_and_parted(found, first.is_cut_short ? Doubt::cost_limit : Doubt::numeric);
 }
 
+/// The distance of two single convex objects that go straight has one minimum: they come in and go out once. Within a
+/// distance of 0 nothing is so by more than a rounding, and no search finds where that ends.
+bool BandDecisions::may_turn_back(const FencePiece& piece) const {
+  return rule(piece).stays_in().low_m() > 0 &&
+         !touch_at_most_once(*rows_.info(piece.mover), piece.mover_motion, *rows_.info(table_.carrier(piece.fence)),
+                             piece.fence_motion);
+}
+
+/// Each coming in and going out in the piece, by alternating searches.
+void BandDecisions::decide_turns(const FencePiece& piece) {
+  bool is_in_now = is_in(piece);
+  if (!is_in_now && !may_be_near(piece)) {
+    const FoundContact found = found_in(piece);
+    return ledger_.decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
+  }
+  double from = 0;
+  for (std::uint32_t turns = 0; turns < 2 * step_.options.max_intervals; ++turns) {
+    ++cost_.swept;
+    const GapTime next = is_in_now ? first_beyond(piece, rule(piece).stays_in(), from)
+                                   : first_within(piece, rule(piece).comes_in(), from);
+    if (!next.yes) return decide_end(piece, is_in_now, from, next);
+    if (!is_in_now && !may_begin()) return;
+    const BracketNs bracket = in_nanoseconds(piece, next, false);
+    turn(piece,
+         {.comes_in = !is_in_now, .bracket = bracket, .found = is_in_now ? found_in(piece) : found_at(piece, next)},
+         is_in_now ? EndReason::separated : EndReason::none);
+    is_in_now = !is_in_now;
+    from = next.bracket.high;
+  }
+  doubt(piece, Doubt::cost_limit);
+}
+
+/// No further turn was found from that time on: the last pose decides exactly.
+void BandDecisions::decide_end(const FencePiece& piece, bool is_in_now, double from, const GapTime& last) {
+  const Decision at_end = within_at_end(piece, is_in_now ? rule(piece).stays_in() : rule(piece).comes_in());
+  if (at_end == Decision::undecided) return doubt(piece, Doubt::numeric);
+  const FoundContact found = found_in(piece);
+  if (is_in_now) {
+    if (at_end == Decision::no) go_out(piece);
+    else if (last.is_cut_short) ++cost_.sweeps_skipped;
+  } else if (at_end == Decision::yes) {
+    come_in(piece, last, at_end);
+  } else if (ledger_.is_in_doubt(found.a, found.b)) {
+    ledger_.decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
+  } else if (from == 0 && last.undecided && may_begin()) {
+    ++cost_.sweeps_skipped;
+    ledger_.doubted_and_parted(found, last.is_cut_short ? Doubt::cost_limit : Doubt::numeric);
+  }
+}
+
 void BandDecisions::come_in(const FencePiece& piece, const GapTime& first, Decision at_end) {
   if (!may_begin()) return;
   turn(piece, {.comes_in = true, .bracket = in_nanoseconds(piece, first, false), .found = found_at(piece, first)},
@@ -97,7 +145,7 @@ void BandDecisions::come_in(const FencePiece& piece, const GapTime& first, Decis
 
 /// When an object that is out at the end was in for the last time: the first such time of the reversed motion.
 void BandDecisions::go_out(const FencePiece& piece) {
-  const GapTime last = first_within(reversed(piece), rule(piece).stays_in());
+  const GapTime last = first_within(piece.reversed(), rule(piece).stays_in());
   PendingTurn turned{.comes_in = false, .bracket = in_nanoseconds(piece, last, true), .found = found_in(piece)};
   const Pending came = pending_of(piece);
   if (came != pending_.end() && came->second.comes_in) {
@@ -235,14 +283,25 @@ Decision BandDecisions::within_at_end(const FencePiece& piece, const GapLimit& l
                 placed_at(rows_, table_.carrier(piece.fence), piece.fence_motion.to), limit, walk_);
 }
 
-GapTime BandDecisions::first_within(const FencePiece& piece, const GapLimit& limit) {
+GapOptions BandDecisions::options_of(const FencePiece& piece, double from) {
   const double length_s = std::max(seconds_of(piece), wire_contract::kNanosecond_s);
   const std::uint32_t left = kBandLooksOfStep - std::min(kBandLooksOfStep, cost_.sweep_looks);
-  const GapOptions options{.width = std::clamp(kBandSweepWidth_s / length_s, kNarrowestBracket, kWidestBracket),
-                           .most_looks = std::clamp(left, kLeastBandLooks, kMostBandLooks),
-                           .looks = &cost_.sweep_looks};
+  return {.width = std::clamp(kBandSweepWidth_s / length_s, kNarrowestBracket, kWidestBracket),
+          .from = from,
+          .most_looks = std::clamp(left, kLeastBandLooks, kMostBandLooks),
+          .looks = &cost_.sweep_looks};
+}
+
+GapTime BandDecisions::first_within(const FencePiece& piece, const GapLimit& limit, double from) {
   return engine::first_within(body_of(rows_, piece.mover, piece.mover_motion),
-                              body_of(rows_, table_.carrier(piece.fence), piece.fence_motion), limit, options, walk_);
+                              body_of(rows_, table_.carrier(piece.fence), piece.fence_motion), limit,
+                              options_of(piece, from), walk_);
+}
+
+GapTime BandDecisions::first_beyond(const FencePiece& piece, const GapLimit& limit, double from) {
+  return engine::first_beyond(body_of(rows_, piece.mover, piece.mover_motion),
+                              body_of(rows_, table_.carrier(piece.fence), piece.fence_motion), limit,
+                              options_of(piece, from), walk_);
 }
 
 /// Bracketed by the whole piece; callers who know a narrower bracket set it.
@@ -301,7 +360,7 @@ BracketNs BandDecisions::in_nanoseconds(const FencePiece& piece, const GapTime& 
   TimeBracket bracket = time.bracket;
   if (is_reversed) bracket = {1 - bracket.high, 1 - bracket.low};
   BracketNs found = engine::in_nanoseconds(piece.from_ns, piece.to_ns, {piece.mover_motion, piece.fence_motion},
-                                           bracket, time.at.normal);
+                                           bracket, time.at.on_a, time.at.normal);
   found.low_ns -= clock_error_ns(piece);
   found.high_ns += clock_error_ns(piece);
   return found;

@@ -47,7 +47,12 @@ class BandDecisions {
   bool is_in(const FencePiece& piece);
   bool may_be_near(const FencePiece& piece) const;
   Decision within_at_end(const FencePiece& piece, const GapLimit& limit);
-  GapTime first_within(const FencePiece& piece, const GapLimit& limit);
+  GapTime first_within(const FencePiece& piece, const GapLimit& limit, double from = 0);
+  GapTime first_beyond(const FencePiece& piece, const GapLimit& limit, double from);
+  GapOptions options_of(const FencePiece& piece, double from);
+  bool may_turn_back(const FencePiece& piece) const;
+  void decide_turns(const FencePiece& piece);
+  void decide_end(const FencePiece& piece, bool is_in_now, double from, const GapTime& last);
   void decide_one_that_is_in(const FencePiece& piece);
   void decide_one_that_is_out(const FencePiece& piece);
   void come_in(const FencePiece& piece, const GapTime& first, Decision at_end);

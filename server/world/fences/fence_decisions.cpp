@@ -42,21 +42,24 @@ bool FenceDecisions::looks_at(std::uint32_t fence, std::uint32_t mover) const {
   const ObjectInfo* info = rows_.info(mover);
   if (info == nullptr || !info->moving || table_.carrier(fence) == mover) return false;
   const FenceRule& rule = table_.rule(fence);
-  if ((info->filter.layers & rule.mask) == 0) return false;
   if (!rule.skip.empty() && wire_contract::glob_matches(rule.skip, info->name)) return false;
   if (rule.band) return band_looks_at(fence, *info);
+  if ((info->filter.layers & rule.mask) == 0) return false;
   return rule.only.empty() || wire_contract::glob_matches(rule.only, info->name);
 }
 
-/// A pair is told once, though both may have bands and both look: by the one with the name that comes first. About what
-/// stands still there are bands of either group.
+/// A pair is reported once: where both objects have bands about them, by those of the name that comes first. Static objects
+/// of either group have bands. The mask is one of moving objects of `only`, whichever of the two has the bands.
 bool FenceDecisions::band_looks_at(std::uint32_t fence, const ObjectInfo& mover) const {
   const FenceRule& rule = table_.rule(fence);
   const ObjectInfo* about = rows_.info(table_.carrier(fence));
   if (about == nullptr) return false;
   const std::string& around = rule.band->around;
-  const bool is_told_so = is_of(around, *about) && is_of(rule.only, mover);
-  const bool is_told_otherwise = is_of(rule.only, *about) && is_of(around, mover);
+  const auto is_of_only = [&](const ObjectInfo& object) {
+    return is_of(rule.only, object) && (!object.moving || (object.filter.layers & rule.mask) != 0);
+  };
+  const bool is_told_so = is_of(around, *about) && is_of_only(mover);
+  const bool is_told_otherwise = is_of_only(*about) && is_of(around, mover);
   if (!about->moving) return is_told_so || is_told_otherwise;
   return is_told_so && !(is_told_otherwise && mover.name < about->name);
 }
@@ -109,7 +112,7 @@ void FenceDecisions::decide_carried(std::uint32_t fence, std::uint32_t mover, st
        .to_ns = row.posed_ns,
        .mover_motion = step_.motion.body_motion(mover),
        .fence_motion = {rows_.motion(carrier) == Motion::moved ? rows_[carrier].frame_before() : rows_[carrier].frame(),
-                        rows_[carrier].frame()}});
+                        rows_[carrier].frame(), rows_.pivot(carrier)}});
 }
 
 void FenceDecisions::decide_on_common_time(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier) {
@@ -183,16 +186,21 @@ void FenceDecisions::decide_piece(const FencePiece& piece) {
                 bounds(table_.body(piece.fence), piece.fence_motion, table_.reach_m(piece.fence)))) {
     return ledger_.decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
   }
-  const ContactSearch touch = touch_at_end(piece);
+  bool is_within = false;
+  const ContactSearch touch = touch_at_end(piece, is_within);
   if (touch.undecided && !touch.yes) ++cost_.undecided;
+  SweptContact first;
+  if (!is_held) {
+    first = sweep(piece);
+    ++cost_.swept;
+  }
+  if (decide_intervals(piece, touch, is_within, is_held ? nullptr : &first)) return;
   if (is_held && touch.yes) return;
   if (is_held) {
     if (touch.undecided) return ledger_.doubts(found, Doubt::numeric);
     const ContactEnd left = leaving(piece);
     return ledger_.parts(found.a, found.b, left.reason, left.bracket_low_s, left.bracket_high_s);
   }
-  const SweptContact first = sweep(piece);
-  ++cost_.swept;
   if (touch.yes || first.yes) {
     if (may_begin()) begin_in_motion(piece, touch, first);
   } else if (touch.undecided) {
@@ -206,7 +214,7 @@ void FenceDecisions::decide_piece(const FencePiece& piece) {
 }
 
 void FenceDecisions::begin_in_motion(const FencePiece& piece, const ContactSearch& touch, const SweptContact& first) {
-  const ContactEnd came = in_seconds(piece, first.yes ? first.bracket : TimeBracket{0, 1}, first.contact.normal);
+  const ContactEnd came = in_seconds(piece, first.yes ? first.bracket : TimeBracket{0, 1}, first.contact);
   FoundContact found = found_in(piece);
   found.contact = first.contact;
   found.bracket_low_s = came.bracket_low_s;
@@ -221,7 +229,8 @@ void FenceDecisions::begin_in_motion(const FencePiece& piece, const ContactSearc
 /// left: how it ends if the object was in and is not any more.
 void FenceDecisions::decide_instant(const FencePiece& instant, const ContactEnd& left) {
   if (table_.is_band(instant.fence)) return bands_.decide_instant(instant, left);
-  const ContactSearch touch = touch_at_end(instant);
+  bool is_within = false;
+  const ContactSearch touch = touch_at_end(instant, is_within);
   if (touch.undecided && !touch.yes) ++cost_.undecided;
   const FoundContact found = found_in(instant);
   const bool is_held = ledger_.holds(found.a, found.b);
@@ -254,18 +263,34 @@ bool FenceDecisions::holds_a_piece(const Placed& outer, const Placed& inner, Pie
       .some;
 }
 
-ContactSearch FenceDecisions::touch_at_end(const FencePiece& piece) {
+/// is_within  becomes true where the two touch though their surfaces do not
+ContactSearch FenceDecisions::touch_at_end(const FencePiece& piece, bool& is_within) {
+  ContactSearch touch = touch_surfaces(piece, piece.mover_motion.to, piece.fence_motion.to);
+  is_within = !touch.yes && is_within_at(piece, 1);
+  touch.yes = touch.yes || is_within;
+  return touch;
+}
+
+ContactSearch FenceDecisions::touch_surfaces(const FencePiece& piece, const Frame& mover_frame,
+                                             const Frame& fence_frame) {
   ContactSearch touch;
-  touch.wanted = false;
+  touch.wanted = is_cut(piece);
   const bool with_bounds = !is_ball_or_box(*rows_.info(piece.mover)) || !is_ball_or_box(table_.body(piece.fence));
-  const Placed mover = placed_at(rows_, piece.mover, piece.mover_motion.to, with_bounds);
-  const Placed fence = placed_fence(piece.fence, piece.fence_motion.to);
+  const Placed mover = placed_at(rows_, piece.mover, mover_frame, with_bounds);
+  const Placed fence = placed_fence(piece.fence, fence_frame);
   if (with_bounds && !overlaps(mover.bounds, fence.bounds)) return touch;
   search_objects(mover, fence, touch, walk_);
   cost_.exact_tests += touch.exact_tests;
-  touch.yes =
-      touch.yes || holds_a_piece(fence, mover, lists_.mover_points) || holds_a_piece(mover, fence, lists_.fence_points);
   return touch;
+}
+
+/// Of two whose surfaces do not touch at that time: one holds some of the other.
+bool FenceDecisions::is_within_at(const FencePiece& piece, double t) {
+  if (!rows_.info(piece.mover)->rare->solid && !table_.body(piece.fence).rare->solid) return false;
+  const Placed mover = placed_at(rows_, piece.mover, piece.mover_motion.at(t));
+  const Placed fence = placed_fence(piece.fence, piece.fence_motion.at(t));
+  if (!overlaps(mover.bounds, fence.bounds)) return false;
+  return holds_a_piece(fence, mover, lists_.mover_points) || holds_a_piece(mover, fence, lists_.fence_points);
 }
 
 /// The first time in the piece at which the two meet.
@@ -276,11 +301,20 @@ SweptContact FenceDecisions::sweep(const FencePiece& piece) {
   if (piece.mover_motion.turn_rad == 0) {
     if (const std::optional<SweptContact> found = sweep_sphere(piece, false)) return turned_round(*found);
   }
-  SweptContact touch;
+  return sweep_span(piece, {0, 1});
+}
+
+double FenceDecisions::bracket_width(const FencePiece& piece) const {
   const double length_s =
       static_cast<double>(std::max<std::int64_t>(piece.to_ns - piece.from_ns, 1)) * wire_contract::kNanosecond_s;
+  return std::clamp(kFenceSweepWidth_s / length_s, kNarrowestBracket, kWidestBracket);
+}
+
+SweptContact FenceDecisions::sweep_span(const FencePiece& piece, const TimeSpan& span) {
+  SweptContact touch;
   const std::uint32_t left = kFenceLooksOfStep - std::min(kFenceLooksOfStep, cost_.sweep_looks);
-  const SweepOptions options{.width = std::clamp(kFenceSweepWidth_s / length_s, kNarrowestBracket, kWidestBracket),
+  const SweepOptions options{.width = bracket_width(piece),
+                             .span = span,
                              .contacts = true,
                              .most_looks = std::clamp(left, kLeastFenceLooks, kMostFenceLooks),
                              .looks = &cost_.sweep_looks};
@@ -298,7 +332,7 @@ std::optional<SweptContact> FenceDecisions::sweep_sphere(const FencePiece& piece
   const BodyMotion& motion = is_mover ? piece.mover_motion : piece.fence_motion;
   const BodyMotion& others = is_mover ? piece.fence_motion : piece.mover_motion;
   // The centre moves straight only where the body does not rotate about another point.
-  if (motion.turn_rad != 0 && !sphere->center.isZero(0)) return std::nullopt;
+  if (motion.turn_rad != 0 && (!sphere->center.isZero(0) || motion.pivot_m > 0)) return std::nullopt;
   SphereSweep sweep{.mover = {.start = place(motion.from, sphere->center) + others.travel,
                               .end = place(motion.to, sphere->center),
                               .radius_m = sphere->radius_m},
@@ -311,17 +345,14 @@ std::optional<SweptContact> FenceDecisions::sweep_sphere(const FencePiece& piece
 
 /// When an object that is not in any more left: the first contact of the reversed motion.
 ContactEnd FenceDecisions::leaving(const FencePiece& piece) {
-  FencePiece back = piece;
-  back.mover_motion = {piece.mover_motion.to, piece.mover_motion.from};
-  back.fence_motion = {piece.fence_motion.to, piece.fence_motion.from};
-  const SweptContact last = sweep(back);
+  const SweptContact last = sweep(piece.reversed());
   const TimeBracket bracket = last.yes ? TimeBracket{1 - last.bracket.high, 1 - last.bracket.low} : TimeBracket{0, 1};
-  return in_seconds(piece, bracket, last.contact.normal);
+  return in_seconds(piece, bracket, last.contact);
 }
 
-ContactEnd FenceDecisions::in_seconds(const FencePiece& piece, const TimeBracket& bracket, const Vec3& normal) const {
-  const BracketNs found =
-      in_nanoseconds(piece.from_ns, piece.to_ns, {piece.mover_motion, piece.fence_motion}, bracket, normal);
+ContactEnd FenceDecisions::in_seconds(const FencePiece& piece, const TimeBracket& bracket, const Contact& at) const {
+  const BracketNs found = in_nanoseconds(piece.from_ns, piece.to_ns, {piece.mover_motion, piece.fence_motion}, bracket,
+                                         at.point, at.normal);
   const std::int64_t error_ns = clock_error_ns(piece);
   return {.reason = EndReason::separated,
           .bracket_low_s = step_.seconds_ago(found.low_ns - error_ns),

@@ -8,6 +8,7 @@
 #include "server/world/fences/band_decisions.hpp"
 #include "server/world/fences/fence_piece.hpp"
 #include "server/world/fences/fence_table.hpp"
+#include "server/world/objects/contact_times.hpp"
 #include "server/world/step/pair_windows.hpp"
 #include "server/world/step/piece_points.hpp"
 
@@ -18,6 +19,7 @@ struct FenceLists {
   PiecePoints mover_points;
   PiecePoints fence_points;
   std::vector<std::int64_t> cuts;
+  ContactTimes times;  // of the surfaces of the pair at hand, in the piece at hand
 };
 
 /// What one step decides of objects and fences: sends to the ledger who is in a fence, who came and who went, by the
@@ -55,12 +57,22 @@ class FenceDecisions {
   void decide_instant(const FencePiece& instant, const ContactEnd& left);
   FencePiece instant_on(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier, std::int64_t time_ns) const;
   FencePiece instant_now(std::uint32_t fence, std::uint32_t mover, std::int64_t time_ns) const;
-  ContactSearch touch_at_end(const FencePiece& piece);
+  bool is_cut(const FencePiece& piece) const;
+  bool decide_intervals(const FencePiece& piece, const ContactSearch& touch, bool is_within, const SweptContact* first);
+  bool find_intervals(const FencePiece& piece, const TouchAtEnd& begin, const TouchAtEnd& end,
+                      const SweptContact* first);
+  void report_intervals(const FencePiece& piece, bool is_in_at_end);
+  TouchAtEnd surfaces_at_begin(const FencePiece& piece, bool is_held);
+  bool is_within_at(const FencePiece& piece, double t);
+  ContactSearch touch_at_end(const FencePiece& piece, bool& is_within);
+  ContactSearch touch_surfaces(const FencePiece& piece, const Frame& mover_frame, const Frame& fence_frame);
   bool holds_a_piece(const Placed& outer, const Placed& inner, PiecePoints& points);
   SweptContact sweep(const FencePiece& piece);
+  SweptContact sweep_span(const FencePiece& piece, const TimeSpan& span);
+  double bracket_width(const FencePiece& piece) const;
   std::optional<SweptContact> sweep_sphere(const FencePiece& piece, bool is_mover);
   ContactEnd leaving(const FencePiece& piece);
-  ContactEnd in_seconds(const FencePiece& piece, const TimeBracket& bracket, const Vec3& normal) const;
+  ContactEnd in_seconds(const FencePiece& piece, const TimeBracket& bracket, const Contact& at) const;
   std::int64_t clock_error_ns(const FencePiece& piece) const;
   FoundContact found_in(const FencePiece& piece) const;
   bool band_looks_at(std::uint32_t fence, const ObjectInfo& mover) const;

@@ -17,6 +17,14 @@ struct FencePiece {
   std::int64_t to_ns = 0;
   BodyMotion mover_motion;
   BodyMotion fence_motion;
+
+  /// The same with time reversed.
+  FencePiece reversed() const {
+    FencePiece back = *this;
+    back.mover_motion = mover_motion.reversed();
+    back.fence_motion = fence_motion.reversed();
+    return back;
+  }
 };
 
 inline bool is_same(const Frame& a, const Frame& b) { return a.position == b.position && a.rotation == b.rotation; }

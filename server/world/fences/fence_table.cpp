@@ -180,7 +180,7 @@ void FenceTable::set_bounds(std::uint32_t slot, const Aabb& bounds) {
 
 bool FenceTable::update_index() {
   if (changed_.empty()) return false;
-  auto next = std::make_unique<Grid>();
+  auto next = std::make_unique<Grid>(Grid::Use::pairs);
   next->update(*index_, bounds_, changed_);
   index_ = std::move(next);
   changed_.clear();

@@ -132,7 +132,7 @@ class FenceTable {
   std::unordered_set<std::uint32_t> carried_;
   ObjectInfo scratch_;
   std::uint32_t scratch_slot_ = kNone;
-  std::unique_ptr<Grid> index_ = std::make_unique<Grid>();
+  std::unique_ptr<Grid> index_ = std::make_unique<Grid>(Grid::Use::pairs);
   std::vector<std::uint32_t> changed_;  // since the index was brought up to date
 };
 

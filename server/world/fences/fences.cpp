@@ -254,13 +254,14 @@ Aabb Fences::bounds_on_the_way(const StepView& step, std::uint32_t fence) {
   const ObjectRow& row = step.rows[carrier];
   Aabb all = bounds_of(body, row.frame());
   if (step.rows.motion(carrier) == Motion::moved)
-    all.extend(bounds(body, BodyMotion(row.frame_before(), row.frame()), table_.reach_m(fence)));
+    all.extend(
+        bounds(body, BodyMotion(row.frame_before(), row.frame(), step.rows.pivot(carrier)), table_.reach_m(fence)));
   step.motion.history().for_each(carrier, [&](const MotionSegment& segment) {
     if (segment.is_jump()) {
       all.extend(bounds_of(body, segment.from));
       all.extend(bounds_of(body, segment.to));
     } else {
-      all.extend(bounds(body, BodyMotion(segment.from, segment.to), table_.reach_m(fence)));
+      all.extend(bounds(body, segment.path(), table_.reach_m(fence)));
     }
   });
   return grown(all, table_.beyond_m(fence));

@@ -17,8 +17,17 @@ bool is_one_convex(const ObjectInfo& info) { return info.primitives.size() == 1 
 /// A search along the two motions, from look to look.
 class GapWalk {
  public:
-  GapWalk(const GapBody& a, const GapBody& b, const GapLimit& limit, const GapOptions& options, WalkCost& cost)
-      : a_(a), b_(b), limit_(limit), options_(options), cost_(cost), relative_(b.motion.travel - a.motion.travel) {
+  GapWalk(const GapBody& a, const GapBody& b, const GapLimit& limit, const GapOptions& options, WalkCost& cost,
+          bool seeks_beyond)
+      : a_(a),
+        b_(b),
+        limit_(limit),
+        options_(options),
+        cost_(cost),
+        seeks_beyond_(seeks_beyond),
+        relative_(b.motion.travel - a.motion.travel),
+        time_(options.from),
+        sure_until_(options.from) {
     const double turned_m = a.motion.turn_rad * a.reach_m + b.motion.turn_rad * b.reach_m;
     is_planar_ = turned_m == 0 && is_one_convex(*a.info) && is_one_convex(*b.info);
     fastest_m_ = (relative_.norm() + turned_m) * (1 + kBoundSlack);
@@ -29,10 +38,10 @@ class GapWalk {
     double step = options_.width;
     for (std::uint32_t looks = 0; looks < options_.most_looks; ++looks) {
       if (options_.looks != nullptr) ++*options_.looks;
-      const bool is_beyond = look();
+      const bool is_sure = seeks_beyond_ ? look_beyond() : look();
       if (found_.yes) return found_;
       if (time_ >= 1 || sure_until_ >= 1) return finish();
-      if (is_beyond && sure_until_ - time_ >= options_.width) {
+      if (is_sure && sure_until_ - time_ >= options_.width) {
         step = options_.width;
         time_ = sure_until_;
       } else {
@@ -46,17 +55,41 @@ class GapWalk {
   }
 
  private:
-  /// Looks at the two at time_. True: they are surely farther apart than the limit.
-  bool look() {
+  /// How far apart the two are at time_; nothing: more than left_m beyond the limit.
+  std::optional<ObjectClearance> clearance_now(double left_m) {
     const Frame frame_a = a_.motion.at(time_);
     const Frame frame_b = b_.motion.at(time_);
     const Placed a{.info = a_.info, .frame = frame_a, .bounds = bounds_of(*a_.info, frame_a)};
     const Placed b{.info = b_.info, .frame = frame_b, .bounds = bounds_of(*b_.info, frame_b)};
-    const double left_m = fastest_m_ * (1 - time_) * (1 + kBoundSlack) + off_m_;
     Deadline never;
-    const std::optional<ObjectClearance> clearance =
-        clearance_between(a, b, {.limit_m = limit_.high_m() + left_m, .depth = false}, cost_, never);
-    if (!clearance) return surely_beyond(1, left_m);
+    return clearance_between(a, b, {.limit_m = limit_.high_m() + left_m, .depth = false}, cost_, never);
+  }
+
+  /// Looks at the two at time_ for the first time beyond the limit. True: they are surely within it.
+  bool look_beyond() {
+    const std::optional<ObjectClearance> clearance = clearance_now(off_m_ + kBoundSlack * limit_.high_m());
+    const bool is_apart = !clearance || clearance->touches == Decision::no;
+    if (!clearance || (is_apart && clearance->low_m() - off_m_ > limit_.high_m())) {
+      found_.yes = true;
+      if (clearance) found_.at = *clearance;
+      found_.bracket = {std::min(unclear_ >= 0 ? unclear_ : sure_until_, time_), time_};
+      return false;
+    }
+    const double far_m = clearance->touches == Decision::yes ? 0 : is_apart ? clearance->high_m() : limit_.high_m();
+    const double spare_m = limit_.low_m() - off_m_ - far_m;
+    if (!(spare_m > 0)) {
+      note_unclear();
+      return false;
+    }
+    if (is_apart) found_.at = *clearance;
+    return surely_so(fastest_m_ > 0 ? std::min(1.0, time_ + spare_m * (1 - kBoundSlack) / fastest_m_) : 1, spare_m);
+  }
+
+  /// Looks at the two at time_. True: they are surely farther apart than the limit.
+  bool look() {
+    const double left_m = fastest_m_ * (1 - time_) * (1 + kBoundSlack) + off_m_;
+    const std::optional<ObjectClearance> clearance = clearance_now(left_m);
+    if (!clearance) return surely_so(1, left_m);
     if (clearance->touches == Decision::no) found_.at = *clearance;
     if (clearance->touches == Decision::yes ||
         (clearance->touches == Decision::no && clearance->high_m() <= limit_.low_m())) {
@@ -73,11 +106,11 @@ class GapWalk {
     double fastest_m = fastest_m_;
     if (is_planar_) fastest_m = std::max(0.0, -clearance->normal.dot(relative_)) + kBoundSlack * fastest_m_;
     const double safe = fastest_m > 0 ? excess_m * (1 - kBoundSlack) / fastest_m : 1;
-    return surely_beyond(std::min(1.0, time_ + safe), excess_m);
+    return surely_so(std::min(1.0, time_ + safe), excess_m);
   }
 
-  /// They are excess_m too far apart at time_, and stay so until then.
-  bool surely_beyond(double until, double excess_m) {
+  /// They are by excess_m on the side of the limit where they began, and stay there until then.
+  bool surely_so(double until, double excess_m) {
     // What lies between the last time that was sure and this one is sure, too, where they cannot have been near in between.
     const double back = fastest_m_ > 0 ? excess_m * (1 - kBoundSlack) / fastest_m_ : 1;
     if (time_ - back > sure_until_) note_unclear();
@@ -100,12 +133,13 @@ class GapWalk {
   const GapLimit& limit_;
   const GapOptions& options_;
   WalkCost& cost_;
+  bool seeks_beyond_;
   Vec3 relative_;
   bool is_planar_ = false;
   double fastest_m_ = 0;  // an upper bound on how much the distance changes in all of the motion
   double off_m_ = 0;      // how far the two together may be from where their motions put them
-  double time_ = 0;
-  double sure_until_ = 0;
+  double time_;
+  double sure_until_;
   double unclear_ = -1;  // from when on it is not sure; negative: it is
   GapTime found_;
 };
@@ -137,7 +171,12 @@ Decision exactly_within(const Placed& a, const Placed& b, const GapLimit& limit,
 
 GapTime first_within(const GapBody& a, const GapBody& b, const GapLimit& limit, const GapOptions& options,
                      WalkCost& cost) {
-  return GapWalk(a, b, limit, options, cost).run();
+  return GapWalk(a, b, limit, options, cost, false).run();
+}
+
+GapTime first_beyond(const GapBody& a, const GapBody& b, const GapLimit& limit, const GapOptions& options,
+                     WalkCost& cost) {
+  return GapWalk(a, b, limit, options, cost, true).run();
 }
 
 Decision within(const Placed& a, const Placed& b, const GapLimit& limit, WalkCost& cost) {

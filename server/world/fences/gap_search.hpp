@@ -20,6 +20,7 @@ struct GapBody {
 /// How far a search for the time of a distance goes.
 struct GapOptions {
   double width = 1e-9;  // of the bracket, as a fraction of the motion, unless rounding forbids that
+  double from = 0;      // where in the motion the search begins
   std::uint32_t most_looks = 1'000;
   std::uint32_t* looks = nullptr;  // grows by those that were taken; null: not counted
 };
@@ -40,6 +41,11 @@ struct GapTime {
 /// threads  any
 /// source   conservative advancement: Mirtich, Impulse-based Dynamic Simulation, 1996, ch. 2
 GapTime first_within(const GapBody& a, const GapBody& b, const GapLimit& limit, const GapOptions& options,
+                     WalkCost& cost);
+
+/// The first time at which two moving objects, which are at most that far apart where the search begins, are farther
+/// apart; as first_within() with near and far exchanged.
+GapTime first_beyond(const GapBody& a, const GapBody& b, const GapLimit& limit, const GapOptions& options,
                      WalkCost& cost);
 
 /// Whether two objects at rest are at most that far apart, as given where their poses are given.

@@ -211,7 +211,7 @@ GapBody NearestDecisions::body(const NearestAsked& asked, std::uint32_t slot, co
   const BodyMotion motion = paths_.motion(slot, part.from_ns, part.to_ns, rows_[slot].pose);
   return {.info = rows_.info(slot),
           .motion = motion,
-          .reach_m = motion.turn_rad > 0 ? rows_[slot].reach_m : 0,
+          .reach_m = motion.turn_rad > 0 ? motion.lever_m(rows_[slot].reach_m) : 0,
           .off_m = std::max(off_m(slot, part.from_ns), off_m(slot, part.to_ns))};
 }
 
@@ -222,9 +222,7 @@ Frame NearestDecisions::frame_at(std::uint32_t slot, std::int64_t time_ns) const
 /// How far the object may be from its motion where frame_at() has it.
 double NearestDecisions::off_m(std::uint32_t slot, std::int64_t time_ns) const {
   const MotionSegment* segment = slot == kNone ? nullptr : paths_.under_way(slot, time_ns);
-  return segment == nullptr || time_ns == segment->to_ns
-             ? 0
-             : BodyMotion(segment->from, segment->to).error_m(rows_[slot].reach_m);
+  return segment == nullptr || time_ns == segment->to_ns ? 0 : segment->path().error_m(rows_[slot].reach_m);
 }
 
 /// Of what the question is about: kNone is its point.

@@ -136,7 +136,7 @@ std::vector<std::int64_t> NearestDecisions::cuts(const NearestAsked& asked, std:
   const auto add = [&](std::uint32_t number) {
     if (number == Sources::kResting) return;
     const Source& source = step_.sources[number];
-    const std::int64_t back_ns = source.is_streamed ? kStreamGapNs : 0;
+    const std::int64_t back_ns = source.is_streamed ? source.gap_ns : 0;
     for (const std::int64_t instant : source.instants) {
       for (const std::int64_t time : {instant, instant - back_ns}) {
         if (time > asked.question.decided_ns && time < to_ns) times.push_back(time);

@@ -7,7 +7,7 @@ namespace collided::engine {
 bool Members::may_meet(std::uint32_t a, std::uint32_t b) const {
   const Member& first = members_[a];
   const Member& second = members_[b];
-  if (!engine::may_meet(first.info->filter, second.info->filter)) return false;
+  if (!engine::may_meet(*first.info, *second.info)) return false;
   return !snapshot_.pair_rules || !snapshot_.pair_rules->allows(first.rule_fit, second.rule_fit);
 }
 

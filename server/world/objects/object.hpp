@@ -51,6 +51,17 @@ struct SceneLevel;    // scene_levels.hpp
 struct SolidMesh;     // server/world/solids
 struct WindingMesh;   // server/world/solids
 
+/// The objects of its scene that an object may touch without a contact.
+struct AllowedPartners {
+  std::shared_ptr<const AllowedPairs> pairs;  // of the scene; null: there are none
+  std::uint32_t number = 0;                   // of the object in them
+
+  bool contain(const AllowedPartners& other) const {
+    return pairs && pairs == other.pairs && pairs->contains(number, other.number);
+  }
+  bool operator==(const AllowedPartners&) const = default;
+};
+
 /// What few objects have of what is known of them.
 struct RareInfo {
   std::string scene;                          // that it was loaded with; empty: added at run time
@@ -60,6 +71,7 @@ struct RareInfo {
   // surface. Null where it was not asked for, or the mesh closes.
   std::shared_ptr<const WindingMesh> winding;
   CutTriangles cut;  // of the object's triangles: which original each piece belongs to
+  AllowedPartners allowed;
 };
 
 /// What is known of an object besides its pose. Immutable: a new definition makes a new one.
@@ -70,6 +82,7 @@ struct ObjectInfo {
   bool moving = false;
   // What is in it is not known: it meets nothing, and an answer that claims something about its space is undecided.
   bool is_unknown = false;
+  bool has_allowed_pairs = false;  // see rare->allowed
   LostPolicy lost_policy = LostPolicy::remove;
   std::uint64_t publisher = 0;              // 0: the server's own
   SharedPrimitives primitives;              // in the object's frame
@@ -81,6 +94,12 @@ struct ObjectInfo {
   /// The number that answers give for a triangle.
   std::uint32_t reported_triangle(std::uint32_t triangle) const { return rare->cut.told(triangle, part_triangles); }
 };
+
+/// Whether a contact of the two counts, but for the rules for pairs. Symmetric in a and b.
+inline bool may_meet(const ObjectInfo& a, const ObjectInfo& b) {
+  if (!may_meet(a.filter, b.filter)) return false;
+  return !a.has_allowed_pairs || !b.has_allowed_pairs || !a.rare->allowed.contain(b.rare->allowed);
+}
 
 /// The object is a mesh without primitives.
 inline bool is_bare_mesh(const ObjectInfo& info) { return info.mesh && info.primitives.empty(); }

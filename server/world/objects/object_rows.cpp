@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <functional>
 
+#include "server/geometry/tolerance.hpp"
 #include "server/world/objects/column.hpp"
 #include "server/world/objects/contact_search.hpp"
 
@@ -63,18 +64,33 @@ void ObjectRows::put(std::shared_ptr<const ObjectInfo> info, const Pose& pose, s
   row.movable = generation_of(info->id);
   row.pose = pose;
   row.pose_before = pose;
-  const std::optional<Sphere> sphere = engine::lone_sphere(*info);
-  row.lone_radius_m = sphere ? sphere->radius_m : -1;
-  row.is_centred_sphere = sphere && sphere->center.isZero(0);
-  row.reach_m = reach_of(*info);
+  take_extent(slot_of(info->id), *info, Vec3::Zero());
   row.has_motion = false;
   row.posed_ns = row.posed_before_ns = row.said_before_ns = row.born_ns = info->moving ? born_ns : 0;
   news_[slot_of(info->id)] = kDefined;
   put(std::move(info));
 }
 
+void ObjectRows::take_extent(std::uint32_t slot, const ObjectInfo& info, const Vec3& pivot) {
+  ObjectRow& row = rows_[slot];
+  row.has_pivot = !pivot.isZero(0);
+  const std::optional<Sphere> sphere = row.has_pivot ? std::nullopt : engine::lone_sphere(info);
+  row.lone_radius_m = sphere ? sphere->radius_m : -1;
+  row.is_centred_sphere = sphere && sphere->center.isZero(0);
+  row.reach_m = reach_of(info) + 2 * pivot.stableNorm() * (1 + kBoundSlack);
+}
+
+void ObjectRows::set_pivot(std::uint32_t slot, const Vec3& pivot) {
+  if (this->pivot(slot) == pivot) return;
+  if (pivot.isZero(0)) pivots_.erase(slot);
+  else pivots_[slot] = pivot;
+  take_extent(slot, *info(slot), pivot);
+  mark(slot, Motion::placed);
+}
+
 void ObjectRows::remove(ObjectId id) {
   const std::uint32_t slot = slot_of(id);
+  if (rows_[slot].has_pivot) pivots_.erase(slot);
   names_.remove(tag_of(info(slot)->name), slot);
   table_to_change()[slot].reset();
   // A scene's part may use this slot next, and a part has no pose, age or motion.

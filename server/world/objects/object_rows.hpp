@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <unordered_map>
 #include <vector>
 
 #include "server/exact_phase/motion/body_motion.hpp"
@@ -29,12 +30,17 @@ struct ObjectRow {
   // Frames are worked out from the poses where they are needed, in some 10 ns: they take half as much memory again.
   Pose pose;
   Pose pose_before;
-  double lone_radius_m = -1;       // of the sphere that is the whole object, metres; negative: it is something else
-  double reach_m = 0;              // no point of the object is farther from the frame's origin, metres
+  // Of the sphere that is the whole object, metres; negative: it is something else, or a sphere with a pivot, whose centre
+  // does not move straight.
+  double lone_radius_m = -1;
+  // No point of the object is farther from the frame's origin, metres; with a pivot more by twice its distance, so that it
+  // bounds what a rotation moves.
+  double reach_m = 0;
   std::uint32_t movable = 0;       // generation of the object that has this row; 0: it cannot be moved
   bool is_centred_sphere = false;  // a lone sphere whose centre is the frame's origin
   bool has_motion = false;         // the object moved from pose_before to pose
   bool is_stale = false;
+  bool has_pivot = false;           // it moves as a part of the object to which it is attached
   std::int64_t born_ns = 0;         // world time from which its definition's pose holds
   std::int64_t said_before_ns = 0;  // world time given with its pose before, however long it rested since
   std::int64_t joined_ns = 0;       // world time up to which it was decided when its time became another source's
@@ -92,6 +98,8 @@ class ObjectRows {
   /// Makes the next step test this object again although it did not move: a pair in doubt may be decided now.
   void look_again(std::uint32_t slot);
   void set_stale(std::uint32_t slot, bool is_stale);
+  /// From now on the object rotates about that point of its frame; zero: about its origin.
+  void set_pivot(std::uint32_t slot, const Vec3& pivot);
   /// Its poses have another source's time from now on, in which it rested until known_ns. decided_ns: up to when its pairs
   /// were decided.
   void follow_source(std::uint32_t slot, std::uint32_t source, std::int64_t known_ns, std::int64_t decided_ns);
@@ -133,6 +141,8 @@ class ObjectRows {
   bool has_moved(std::uint32_t slot) const { return motion_[slot] != Motion::none; }
   /// Slots with a change since the last step.
   const std::vector<std::uint32_t>& moved() const { return moved_; }
+  /// The point of its frame that moves straight, as of BodyMotion.
+  Vec3 pivot(std::uint32_t slot) const { return rows_[slot].has_pivot ? pivots_.at(slot) : Vec3::Zero(); }
   /// Of the object in the slot, without reading its description.
   ObjectId id(std::uint32_t slot) const { return (static_cast<ObjectId>(generations_[slot]) << 32) | slot; }
   /// The order of ids: generation, then slot.
@@ -146,8 +156,10 @@ class ObjectRows {
   void give_rows_back();
   void mark(std::uint32_t slot, Motion how);
   void note_change(std::uint32_t slot);
+  void take_extent(std::uint32_t slot, const ObjectInfo& info, const Vec3& pivot);
 
   std::vector<ObjectRow> rows_;
+  std::unordered_map<std::uint32_t, Vec3> pivots_;  // of the rows that have one
   // Outside of the rows, since a step reads them for all objects.
   std::vector<Motion> motion_;
   enum News : std::uint8_t { kDefined = 1, kPosed = 2 };

@@ -12,6 +12,7 @@
 #include "server/world/objects/attachments.hpp"
 #include "server/world/objects/object.hpp"
 #include "server/world/objects/pair_rules.hpp"
+#include "server/world/objects/scene_list.hpp"
 
 namespace collided::engine {
 
@@ -31,7 +32,7 @@ struct Snapshot {
   std::uint64_t version = 0;
   std::int64_t world_time_ns = 0;
   std::int64_t settled_ns = 0;  // the newest instant at which every object's place is known
-  std::vector<std::shared_ptr<const StaticScene>> scenes;
+  SceneList scenes;
   std::shared_ptr<const ObjectTable> objects;
   std::uint64_t table_version = 0;     // grows with each change of `objects`
   std::vector<Pose> poses;             // by slot

@@ -16,6 +16,7 @@ std::uint32_t Sources::take_number(std::uint64_t publisher) {
       free_.pop_back();
     }
     sources_[entry->second] = {.publisher = publisher, .instants = {}};
+    if (const auto gap = gaps_.find(publisher); gap != gaps_.end()) sources_[entry->second].gap_ns = gap->second;
   }
   return entry->second;
 }
@@ -66,11 +67,22 @@ const Source* Sources::find(std::uint64_t publisher) const {
   return found == numbers_.end() ? nullptr : &sources_[found->second];
 }
 
-std::optional<std::uint32_t> Sources::advance(std::uint64_t publisher, std::int64_t time_ns) {
+void Sources::set_gap(std::uint64_t publisher, std::int64_t gap_ns) {
+  if (gap_ns == kDefaultGapNs) gaps_.erase(publisher);
+  else gaps_[publisher] = gap_ns;
+  const auto found = numbers_.find(publisher);
+  if (found == numbers_.end()) return;
+  Source& source = sources_[found->second];
+  if (!source.is_timed && !source.is_streamed) source.gap_ns = gap_ns;
+}
+
+std::optional<std::uint32_t> Sources::advance(std::uint64_t publisher, std::int64_t time_ns, bool is_only_alive) {
   const auto found = numbers_.find(publisher);
   if (found == numbers_.end()) return std::nullopt;
   Source& source = sources_[found->second];
-  time_ns = source.admitted(time_ns);
+  // Of a streamed source known_of() counts the gap.
+  if (is_only_alive && !source.is_streamed) time_ns = std::max(time_ns - source.gap_ns, source.known_ns);
+  else time_ns = source.admitted(time_ns);
   if (time_ns > source.known_ns) {
     source.before_ns = source.known_ns;
     source.known_ns = time_ns;
@@ -149,7 +161,7 @@ void Sources::end_step() {
     source.has_own_motions = source.has_spoken = false;
     if (!source.is_used()) continue;
     newest_ns = std::max(newest_ns, source.settled_ns);
-    oldest_ns = std::min(oldest_ns, source.settled_ns - (source.is_streamed ? kStreamGapNs : 0));
+    oldest_ns = std::min(oldest_ns, source.settled_ns - (source.is_streamed ? source.gap_ns : 0));
   }
   if (used_count_ > 0) floor_ns_ = std::max({floor_ns_, oldest_ns, newest_ns - kLongestMemoryNs});
   for (Source& source : sources_) {

@@ -12,8 +12,8 @@ namespace collided::engine {
 /// The instant up to which an object that never moves is known.
 inline constexpr std::int64_t kForEver = std::numeric_limits<std::int64_t>::max();
 
-/// A streamed object with a longer gap between two poses rested until this long before the later one.
-inline constexpr std::int64_t kStreamGapNs = 250'000'000;
+/// A publisher's gap (Source::gap_ns) where it gives no other.
+inline constexpr std::int64_t kDefaultGapNs = 1'500'000'000;
 
 /// One publisher's time: the instant up to which its objects' poses are known.
 struct Source {
@@ -23,10 +23,12 @@ struct Source {
   std::uint32_t posed_count = 0;   // poses since the last step
   // since the last step an object moved over an interval of its own: it jumped or was new
   bool has_own_motions = false;
-  bool has_spoken = false;       // the publisher gave an instant since the last step
-  bool is_timed = false;         // the publisher gives instants; else its objects are known up to the step's own time
-  bool may_bring = false;        // objects of the publisher may come from elsewhere, with its next instant
-  bool is_streamed = false;      // some of its objects are known only up to their own newest pose
+  bool has_spoken = false;   // the publisher gave an instant since the last step
+  bool is_timed = false;     // the publisher gives instants; else its objects are known up to the step's own time
+  bool may_bring = false;    // objects of the publisher may come from elsewhere, with its next instant
+  bool is_streamed = false;  // some of its objects are known only up to their own newest pose
+  /// Two poses of an object that are farther apart do not connect: it rested until this long before the later one.
+  std::int64_t gap_ns = kDefaultGapNs;
   std::int64_t known_ns = 0;     // world time up to which its objects are known
   std::int64_t before_ns = 0;    // the instant before known_ns
   std::int64_t settled_ns = 0;   // known_ns when the last step ended; never decreases
@@ -42,15 +44,18 @@ struct Source {
     const bool has_instants = publisher != 0 && !is_streamed;  // the server's own objects move at the step's time
     return has_instants && time_ns <= settled_ns ? settled_ns + 1 : time_ns;
   }
-  /// The instant up to which objects named at that time had rested.
-  std::int64_t instant_before(std::int64_t time_ns) const { return time_ns > known_ns ? known_ns : before_ns; }
+  /// The instant up to which objects with a pose of that time had rested.
+  std::int64_t rested_until(std::int64_t time_ns) const {
+    const std::int64_t instant_before_ns = time_ns > known_ns ? known_ns : before_ns;
+    return is_streamed ? time_ns - gap_ns : std::max(instant_before_ns, time_ns - gap_ns);
+  }
   /// The instant up to which one of its objects is known; posed_ns: world time of that object's newest pose.
   std::int64_t known_of(std::int64_t posed_ns) const {
-    return is_streamed ? std::max({posed_ns, known_ns - kStreamGapNs, streamed_ns}) : known_ns;
+    return is_streamed ? std::max({posed_ns, known_ns - gap_ns, streamed_ns}) : known_ns;
   }
   /// The same as it was when the last step ended; posed_ns: the object's newest pose at that time.
   std::int64_t settled_of(std::int64_t posed_ns) const {
-    return is_streamed ? std::max({posed_ns, settled_ns - kStreamGapNs, streamed_ns}) : settled_ns;
+    return is_streamed ? std::max({posed_ns, settled_ns - gap_ns, streamed_ns}) : settled_ns;
   }
 };
 
@@ -73,9 +78,15 @@ class Sources {
   /// some here.
   void expect_objects(std::uint64_t publisher);
 
+  /// Sets the publisher's gap. It must come before the publisher's first instant; later it changes nothing, since what is
+  /// settled stays so.
+  void set_gap(std::uint64_t publisher, std::int64_t gap_ns);
+
   /// The publisher's statements up to this instant are complete; a past instant changes nothing. Returns the source's
   /// number where this is its first instant, ever or since it was lost: objects defined before begin at it.
-  std::optional<std::uint32_t> advance(std::uint64_t publisher, std::int64_t time_ns);
+  ///
+  /// is_only_alive  the publisher says nothing about its objects: what is silent is known up to one gap before
+  std::optional<std::uint32_t> advance(std::uint64_t publisher, std::int64_t time_ns, bool is_only_alive = false);
   /// The publisher gives no more instants: from now on its objects are known up to the step's own time.
   void lose(std::uint64_t publisher);
   /// Counts a pose. has_own_motion: the pose's motion covers an interval that others of its instant may not share.
@@ -122,6 +133,7 @@ class Sources {
   std::vector<Source> sources_;  // a free number leaves an empty one
   std::vector<std::uint32_t> free_;
   std::unordered_map<std::uint64_t, std::uint32_t> numbers_;  // by publisher
+  std::unordered_map<std::uint64_t, std::int64_t> gaps_;      // by publisher; those that differ from the default
   std::size_t used_count_ = 0;                                // for which time waits
   bool needs_common_time_ = false;
   bool is_any_over_floor_again_ = false;

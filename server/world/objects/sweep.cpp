@@ -62,6 +62,12 @@ SweptContact turned_round(SweptContact touch) {
   return touch;
 }
 
+ContactSearch turned_round(ContactSearch touch) {
+  std::swap(touch.a_triangle, touch.b_triangle);
+  touch.contact.normal = -touch.contact.normal;
+  return touch;
+}
+
 double reach_of(const ObjectInfo& info) {
   double reach_m = info.mesh && !info.mesh->mesh->vertices.empty() ? info.mesh->radius_m : 0;
   const BodyMotion nowhere;
@@ -84,7 +90,7 @@ double longest_displacement_m(const Frame& from, const Frame& to, double reach_m
 Aabb bounds(const ObjectInfo& info, const BodyMotion& motion, double reach_m) {
   Aabb all = bounds_of(info, motion.from);
   all.extend(bounds_of(info, motion.to));
-  return grown(all, reach_m * motion.turn_rad * motion.turn_rad / 8 + 2 * motion.error_m(reach_m));
+  return grown(all, motion.lever_m(reach_m) * motion.turn_rad * motion.turn_rad / 8 + 2 * motion.error_m(reach_m));
 }
 
 namespace {

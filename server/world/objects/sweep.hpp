@@ -34,6 +34,7 @@ void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost);
 
 /// The same contact with a and b exchanged.
 SweptContact turned_round(SweptContact touch);
+ContactSearch turned_round(ContactSearch touch);
 
 /// A distance in metres that no point of the object exceeds from its frame's origin; half-spaces, which never move,
 /// count as 0.

@@ -47,7 +47,7 @@ std::optional<kernel::MovingCore> moving_core(const PartMotion& part, const kern
   return std::visit(
       [&](const auto& own) -> std::optional<kernel::MovingCore> {
         if constexpr (std::is_constructible_v<kernel::Core, decltype(own)>)
-          return piece.moving(own, *part.motion, part.reach_m);
+          return piece.moving(own, *part.motion, part.reach_m, part.placing_m);
         else return std::nullopt;
       },
       part.own);
@@ -85,7 +85,7 @@ class SweptSearch {
     return span;
   }
   static const kernel::MotionPiece& piece_of(PieceOfBody& kept, const BodyMotion& motion, const TimeSpan& span);
-  void meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground, bool ground_is_a);
+  void meet_ground(const SweptBody& body, const SweptBody& holder, const Primitive& ground, bool ground_is_a);
   void primitive_and_mesh(const PartMotion& primitive, const SweptBody& other, bool primitive_is_a);
   void visit_near(const BoundedPart& part, const Vec3& motion, const SweptBody& other, const Frame& frame,
                   Bvh::BoxCandidate candidate);
@@ -99,6 +99,9 @@ class SweptSearch {
     return touch == nullptr || (touch->yes && touch->bracket.high <= span.low);
   }
   static bool has_mesh(const SweptBody& body) { return body.mesh != nullptr && !body.mesh->triangles.empty(); }
+  static kernel::MovingCore core_of(const SweptBody& body, const Triangle& triangle, const kernel::MotionPiece& piece) {
+    return piece.moving(triangle, body.motion, body.mesh_reach_m, body.mesh_placing_m);
+  }
   static PartMotion triangle_of(const SweptBody& body, std::uint32_t number) {
     return {body.mesh->triangle(number), body.motion};
   }
@@ -176,10 +179,11 @@ struct Listing {
 };
 
 /// How far the parts move against each other from the middle of a piece to its ends, along each axis, roundings
-/// included.
-Vec3 half_motion(const BodyMotion& a, double a_reach_m, const BodyMotion& b, double b_reach_m, double length) {
+/// included: of both motions, and placing_m.
+Vec3 half_motion(const BodyMotion& a, double a_reach_m, const BodyMotion& b, double b_reach_m, double placing_m,
+                 double length) {
   const double turn_m = a.turn_rad * a_reach_m + b.turn_rad * b_reach_m;
-  const double error_m = 2 * (a.error_m(a_reach_m) + b.error_m(b_reach_m));
+  const double error_m = 2 * (a.error_m(a_reach_m) + b.error_m(b_reach_m)) + placing_m;
   return ((a.travel - b.travel).cwiseAbs().array() + turn_m).matrix() * (length / 2 * (1 + kBoundSlack)) +
          Vec3::Constant(error_m);
 }
@@ -195,8 +199,7 @@ bool SweptSearch::is_apart(const PartMotion& primitive, const SweptBody& other, 
                            const TimeSpan& span) {
   const std::optional<kernel::MovingCore> own = moving_core(primitive, piece_of(piece_a_, *primitive.motion, span));
   count_filtered();
-  return own && kernel::surely_apart(
-                    *own, piece_of(piece_b_, other.motion, span).moving(triangle, other.motion, other.mesh_reach_m));
+  return own && kernel::surely_apart(*own, core_of(other, triangle, piece_of(piece_b_, other.motion, span)));
 }
 
 /// Triangles that may come within `motion` of the part. A ball's box holds far more of a surface that it nearly touches
@@ -228,8 +231,8 @@ void SweptSearch::primitive_and_mesh(const PartMotion& primitive, const SweptBod
   const auto near = [&](const TimeSpan& span, std::size_t most, std::vector<PartPair>& found) {
     const double middle = span.low + (span.high - span.low) / 2;
     const BoundedPart part = primitive.at(middle);
-    const Vec3 motion =
-        half_motion(*primitive.motion, primitive.reach_m, other.motion, other.mesh_reach_m, span.high - span.low);
+    const Vec3 motion = half_motion(*primitive.motion, primitive.reach_m, other.motion, other.mesh_reach_m,
+                                    primitive.placing_m + other.mesh_placing_m, span.high - span.low);
     Listing listing{found, most};
     const auto candidate = [&](std::uint32_t triangle) {
       return !is_late() && (is_settled(primitive_is_a ? triangle : kNoTriangle, span) || listing.add({0, triangle}));
@@ -244,7 +247,7 @@ void SweptSearch::primitive_and_mesh(const PartMotion& primitive, const SweptBod
     if (primitive_is_a) meet(primitive, kNoTriangle, triangle, pair.b, span);
     else meet(triangle, pair.b, primitive, kNoTriangle, span);
   };
-  look({0, 1}, kPairsAPiece, motion_m, size_of(own), near, meet_pair);
+  look(options_.span, kPairsAPiece, motion_m, size_of(own), near, meet_pair);
 }
 
 void SweptSearch::meshes() {
@@ -258,7 +261,8 @@ void SweptSearch::meshes() {
     const double middle = span.low + (span.high - span.low) / 2;
     const Frame a = a_.motion.at(middle);
     const Frame b = b_.motion.at(middle);
-    const Vec3 motion = half_motion(a_.motion, a_.mesh_reach_m, b_.motion, b_.mesh_reach_m, span.high - span.low);
+    const Vec3 motion = half_motion(a_.motion, a_.mesh_reach_m, b_.motion, b_.mesh_reach_m,
+                                    a_.mesh_placing_m + b_.mesh_placing_m, span.high - span.low);
     Listing listing{found, most};
     const auto candidate = [&](std::uint32_t triangle_b, std::uint32_t triangle_a) {
       return !is_late() && (is_settled(triangle_b, span) || listing.add({triangle_a, triangle_b}));
@@ -274,23 +278,23 @@ void SweptSearch::meshes() {
   const auto meet_pair = [&](const PartPair& pair, const TimeSpan& span) {
     const TimeSpan open = still_open(pair.b, span);
     if (open.high < open.low) return;
-    const kernel::MovingCore a =
-        piece_of(piece_a_, a_.motion, open).moving(a_.mesh->triangle(pair.a), a_.motion, a_.mesh_reach_m);
-    const kernel::MovingCore b =
-        piece_of(piece_b_, b_.motion, open).moving(b_.mesh->triangle(pair.b), b_.motion, b_.mesh_reach_m);
+    const kernel::MovingCore a = core_of(a_, a_.mesh->triangle(pair.a), piece_of(piece_a_, a_.motion, open));
+    const kernel::MovingCore b = core_of(b_, b_.mesh->triangle(pair.b), piece_of(piece_b_, b_.motion, open));
     count_filtered();
     if (kernel::surely_apart(a, b)) return;
     meet(triangle_of(a_, pair.a), pair.a, triangle_of(b_, pair.b), pair.b, span);
   };
-  look({0, 1}, kMeshPairsAPiece, motion_m, smaller_m, near, meet_pair);
+  look(options_.span, kMeshPairsAPiece, motion_m, smaller_m, near, meet_pair);
 }
 
 /// A half-space never moves, so it has a test of its own. A mesh that may come near one stays undecided.
-void SweptSearch::meet_ground(const SweptBody& body, const SweptBody& holder, const HalfSpace& ground,
+void SweptSearch::meet_ground(const SweptBody& body, const SweptBody& holder, const Primitive& ground,
                               bool ground_is_a) {
   SweptContact* touch = contact_of_(kNoTriangle);
   if (touch == nullptr) return;
-  const HalfSpace placed = place(holder.motion.to, ground);
+  const HalfSpace placed = place(holder.motion.to, std::get<HalfSpace>(ground));
+  GivenPart given;
+  if (holder.motion.given != nullptr) given = {.own = &ground, .pose = holder.motion.given, .frame = &holder.motion.to};
   if (has_mesh(body) && !surely_stays_above(body.motion, body.mesh_reach_m, placed)) touch->undecided = true;
   for (const Primitive& own : body.primitives) {
     if (std::holds_alternative<HalfSpace>(own)) continue;
@@ -300,7 +304,7 @@ void SweptSearch::meet_ground(const SweptBody& body, const SweptBody& holder, co
     const PartMotion part(part_of(own), body.motion);
     TimeBracket found;
     const ExactResult verdict =
-        first_contact(part, placed, {0, touch->yes ? touch->bracket.high : 1}, options_.width, found);
+        first_contact(part, placed, still_open(kNoTriangle, options_.span), options_.width, found, given);
     touch->undecided = touch->undecided || verdict.decision == Decision::undecided;
     if (!verdict.yes() || !touch->take(found, kNoTriangle, kNoTriangle) || !options_.contacts) continue;
     touch->contact = std::visit([&](const auto& shape) { return contact(placed, shape); }, part.at(found.high));
@@ -309,20 +313,20 @@ void SweptSearch::meet_ground(const SweptBody& body, const SweptBody& holder, co
 }
 
 void SweptSearch::run() {
-  const auto ground_of = [](const Primitive& primitive) { return std::get_if<HalfSpace>(&primitive); };
+  const auto is_ground = [](const Primitive& primitive) { return std::holds_alternative<HalfSpace>(primitive); };
   for (const Primitive& own : a_.primitives) {
-    if (const HalfSpace* ground = ground_of(own)) {
-      meet_ground(b_, a_, *ground, true);
+    if (is_ground(own)) {
+      meet_ground(b_, a_, own, true);
       continue;
     }
     const PartMotion part(part_of(own), a_.motion);
     for (const Primitive& other : b_.primitives) {
-      if (!ground_of(other)) meet(part, kNoTriangle, {part_of(other), b_.motion}, kNoTriangle, {0, 1});
+      if (!is_ground(other)) meet(part, kNoTriangle, {part_of(other), b_.motion}, kNoTriangle, options_.span);
     }
     if (has_mesh(b_)) primitive_and_mesh(part, b_, true);
   }
   for (const Primitive& other : b_.primitives) {
-    if (const HalfSpace* ground = ground_of(other)) meet_ground(a_, b_, *ground, false);
+    if (is_ground(other)) meet_ground(a_, b_, other, false);
     else if (has_mesh(a_)) primitive_and_mesh({part_of(other), b_.motion}, a_, false);
   }
   if (has_mesh(a_) && has_mesh(b_)) meshes();
@@ -347,7 +351,8 @@ SweptBody::SweptBody(const ObjectInfo& info, const BodyMotion& on) : motion(on),
   if (!info.mesh) return;
   mesh = info.mesh->mesh.get();
   tree = &info.mesh->tree;
-  mesh_reach_m = info.mesh->radius_m;
+  mesh_reach_m = motion.lever_m(info.mesh->radius_m);
+  mesh_placing_m = motion.placing_m(mesh_reach_m);
 }
 
 SweptBody::SweptBody(const StaticScene& scene) : mesh(&scene.mesh), tree(&scene.tree) {}

@@ -18,7 +18,8 @@ struct SweptBody {
   std::span<const Primitive> primitives;
   const TriangleMesh* mesh = nullptr;
   const Bvh* tree = nullptr;
-  double mesh_reach_m = 0;  // no vertex is farther from the frame's origin, metres
+  double mesh_reach_m = 0;    // no vertex is farther from the frame's origin, metres
+  double mesh_placing_m = 0;  // BodyMotion::placing_m of any vertex
 
   SweptBody(const ObjectInfo& info, const BodyMotion& on);
   /// A scene's static triangles, in world coordinates, at rest.
@@ -33,7 +34,7 @@ struct SweptContact {
   bool undecided = false;
   bool is_cut_short = false;  // the search stopped at most_looks or its deadline
   std::uint32_t exact_tests = 0;
-  /// No contact in [0, low]; contact at high by the exact test.
+  /// No contact from the begin of the span up to low; contact at high by the exact test.
   TimeBracket bracket;
   std::uint32_t a_triangle = kNoTriangle;
   std::uint32_t b_triangle = kNoTriangle;
@@ -46,6 +47,7 @@ struct SweptContact {
 /// How far a search goes.
 struct SweepOptions {
   double width = 1e-6;   // of the bracket, as a fraction of the motion
+  TimeSpan span = {};    // the part of the motion that is searched
   bool contacts = true;  // compute the contact, not only its time
   /// Most pairs of parts, each at one time, that one search may test; what is open after them is undecided.
   std::uint32_t most_looks = 100'000;
@@ -57,7 +59,8 @@ struct SweepOptions {
 /// with a triangle.
 using SweptContactOf = FunctionRef<SweptContact*(std::uint32_t triangle)>;
 
-/// The first contact of two moving bodies, never late and never missed. Cuts the motion into pieces that are short for
+/// The first contact of two moving bodies, never late and never missed; where their motions have poses (BodyMotion::given),
+/// of the bodies as given. Cuts the motion into pieces that are short for
 /// the number of parts near each other; every pair of parts whose bounds may meet in a piece is tested for its first
 /// contact within it (part_motion.hpp).
 ///

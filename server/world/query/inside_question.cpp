@@ -77,7 +77,9 @@ struct InsideSearch {
 void ask_inside(Question& question, const double* n) {
   question.found.clear();
   InsideSearch search{.question = question, .ball = {.center = point_of(n), .radius_m = 0}};
-  for (const auto& scene : question.snapshot.scenes) {
+  const SceneList& scenes = question.snapshot.scenes;
+  scenes.walk_box(search.near, question.walk, [&](std::size_t index) {
+    const auto& scene = scenes[index];
     visit_solid_parts(*scene, search.near, question, [&](const SolidPart& part, const Placed& object) {
       if (search.ended() || question.deadline.is_over()) return;
       ContactSearch touch = search.begun();
@@ -87,7 +89,8 @@ void ask_inside(Question& question, const double* n) {
     visit_winding_parts(*scene, search.near, question, [&](const WindingPart& part, const Placed& object) {
       if (!search.ended() && !question.deadline.is_over()) search.search_by_winding(*part.winding, object);
     });
-  }
+    return !search.ended();
+  });
   if (question.snapshot.grid && !search.ended()) {
     const auto candidate = [&](std::uint32_t slot) {
       const Placed object = question.placed_without_bounds(slot);

@@ -7,6 +7,8 @@
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/distance/half_space.hpp"
 #include "server/exact_phase/distance/nearest_filter.hpp"
+#include "server/exact_phase/given/given_overlap.hpp"
+#include "server/exact_phase/given/margin.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/guess_tolerance.hpp"
 #include "server/geometry/placing_error.hpp"
@@ -35,12 +37,16 @@ struct NearWalk {
   /// The deadline has ended the search: every walk stops at a negative limit.
   bool is_over() const { return limit_m2 < 0; }
   void set_limit() { limit_m2 = square_up(wanted_m + off_by_m); }
-  /// Tests one part. placing_m() bounds how far the part may be from its exact pose; it is called only for parts that
-  /// are kept.
-  template <class Part, class PlacingError>
-  void test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m);
+  /// Tests one part. placing.off_m() bounds how far the part may be from its exact pose, and placing.given() is what the
+  /// user gave.
+  template <class Part, class Placing>
+  void test(const Part& part, ObjectId object, std::uint32_t triangle, const Placing& placing);
   /// The part is within reach; decided exactly where the bound on its distance leaves it open.
-  bool is_within(const Closest& found, ObjectId object, const auto& part);
+  template <class Part, class Placing>
+  bool is_within(const Closest& found, double placed_m, ObjectId object, const Part& part, const Placing& placing);
+  /// Whether a solid primitive holds the point: decided for the primitive as given where placing it leaves that open.
+  template <class Part, class Placing>
+  bool holds_point(const Closest& found, double placed_m, const Part& part, const Placing& placing);
   /// Keeps a solid primitive that holds the point, by its depth.
   void keep_depth(const Contact& found, ObjectId object, double placed_m);
   /// Inserts the hit, replacing a farther one of its object or the farthest of all, and shrinks the search.
@@ -65,41 +71,86 @@ double within_of(double distance_m, double off_m) {
   return off_m > 0 ? (2 * std::sqrt((distance_m + off_m) * off_m) + off_m) * (1 + kBoundSlack) : 0;
 }
 
-/// A scene's triangles are stored in world coordinates, so placing adds no error.
-constexpr auto kNotPlaced = [] { return 0.0; };
+/// A scene's triangles are stored in world coordinates.
+struct NotPlaced {
+  static constexpr bool kIsPlaced = false;
+  static double most_off_m() { return 0; }
+  static double off_m() { return 0; }
+};
 
-template <class Part, class PlacingError>
-void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m) {
+/// A part that double has placed. most_off_m bounds off_m, for a first look.
+template <class OffOf, class GivenOf>
+struct PosedPart {
+  static constexpr bool kIsPlaced = true;
+  double most_m;
+  OffOf off_of;
+  GivenOf given_of;
+
+  double most_off_m() const { return most_m; }
+  double off_m() const { return off_of(); }
+  GivenPart given() const { return given_of(); }
+};
+
+template <class Part, class Placing>
+bool NearWalk::holds_point(const Closest& found, double placed_m, const Part& part, const Placing& placing) {
+  const bool is_held = found.distance_m == 0 && found.distance_error_m == 0;
+  if constexpr (Placing::kIsPlaced) {
+    if (placed_m == 0 || kernel::precision.highest != Level::rational ||
+        found.distance_m - found.distance_error_m > placed_m)
+      return is_held;
+    const ConvexPart own{Primitive(Sphere{.center = point, .radius_m = 0})};
+    const ConvexPart other = as_part(part);
+    if (is_held && surely_meet(own, other, placed_m)) return true;
+    const Decision as_given = overlaps_as_given(own, other, {GivenPart{}, placing.given()});
+    question.count({as_given, Level::rational});
+    if (as_given != Decision::undecided) return as_given == Decision::yes;
+  }
+  return is_held;
+}
+
+template <class Part, class Placing>
+void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, const Placing& placing) {
   if (question.deadline.is_over()) {
     limit_m2 = -1;
     return;
   }
-  if constexpr (std::is_same_v<Part, Triangle>) {
+  constexpr bool kIsSurface = std::is_same_v<Part, Triangle>;
+  if constexpr (kIsSurface) {
     // Most triangles of a leaf are surely farther than the limit, and proving that costs less than the distance itself.
-    if (kernel::quick_square_distance(point, part).low2_m2 > limit_m2) {
+    const double most_m2 = Placing::kIsPlaced ? square_up(wanted_m + off_by_m + placing.most_off_m()) : limit_m2;
+    if (kernel::quick_square_distance(point, part).low2_m2 > most_m2) {
       ++question.exact_tests;
       return;
     }
   }
   const Closest found = closest(point, part);
   ++question.exact_tests;
-  if (!is_within(found, object, part)) return;
-  // A part that contains the point is at distance 0 wherever its exact border is.
-  const double placed_m = found.distance_m > 0 ? placing_m() : 0;
-  const bool is_held = !std::is_same_v<Part, Triangle> && found.distance_m == 0 && found.distance_error_m == 0;
-  if constexpr (!std::is_same_v<Part, Triangle>) {
-    if (is_held && is_signed())
-      return keep_depth(contact(Sphere{.center = point, .radius_m = 0}, part), object, placing_m());
+  const double placed_m = placing.off_m();
+  if (!is_within(found, placed_m, object, part, placing)) return;
+  const bool is_held = !kIsSurface && holds_point(found, placed_m, part, placing);
+  if constexpr (!kIsSurface) {
+    if (is_held && is_signed()) {
+      const Sphere here{.center = point, .radius_m = 0};
+      const bool is_in_placed = found.distance_m == 0 && found.distance_error_m == 0;
+      return keep_depth(is_in_placed ? contact(here, part)
+                                     : Contact{.point = found.point,
+                                               .normal = -found.normal,
+                                               .depth_error_m = found.distance_m + found.distance_error_m},
+                        object, placed_m);
+    }
   }
+  // A part that contains the point is at distance 0 wherever its exact border is.
+  const double error_m = is_held ? 0 : found.distance_error_m + placed_m + off_by_m;
   keep({.object = object,
         .triangle = triangle,
         .flags = static_cast<std::uint8_t>(question.flags_of(object) | (is_held ? kInside : 0)),
-        .distance_m = found.distance_m,
-        .error_m = with_underflow(found.distance_m, found.distance_error_m + placed_m + off_by_m),
-        .point = found.point,
+        .distance_m = is_held ? 0 : found.distance_m,
+        .error_m = with_underflow(found.distance_m, error_m),
+        .point = is_held ? point : found.point,
         // The nearest point of the simpler form may be near another place of the true surface.
-        .point_error_m = off_by_m > 0 ? std::numeric_limits<double>::infinity()
-                                      : found.point_error_m + within_of(found.distance_m, placed_m),
+        .point_error_m = is_held        ? 0
+                         : off_by_m > 0 ? std::numeric_limits<double>::infinity()
+                                        : found.point_error_m + within_of(found.distance_m, placed_m),
         .normal = found.normal});
 }
 
@@ -112,8 +163,10 @@ void NearWalk::keep_depth(const Contact& found, ObjectId object, double placed_m
         .normal = found.normal});
 }
 
-bool NearWalk::is_within(const Closest& found, ObjectId object, const auto& part) {
-  const double error_m = found.distance_error_m + off_by_m;
+template <class Part, class Placing>
+bool NearWalk::is_within(const Closest& found, double placed_m, ObjectId object, const Part& part,
+                         const Placing& placing) {
+  const double error_m = found.distance_error_m + placed_m + off_by_m;
   if (!(found.distance_m - error_m <= within_m)) return false;
   if (found.distance_m + error_m <= within_m) return true;
   if (off_by_m > 0) {
@@ -121,7 +174,15 @@ bool NearWalk::is_within(const Closest& found, ObjectId object, const auto& part
     return false;
   }
   // The bound leaves open whether the part is within reach: an exact test with a ball of that radius decides.
-  const ExactResult verdict = overlaps(Sphere{.center = point, .radius_m = within_m}, part);
+  const Sphere ball{.center = point, .radius_m = within_m};
+  if constexpr (Placing::kIsPlaced) {
+    if (placed_m > 0 && kernel::precision.highest == Level::rational) {
+      const Decision as_given = overlaps_as_given(Primitive(ball), as_part(part), {GivenPart{}, placing.given()});
+      question.count({as_given, Level::rational});
+      if (as_given != Decision::undecided) return as_given == Decision::yes;
+    }
+  }
+  const ExactResult verdict = overlaps(ball, part);
   question.count(verdict);
   return verdict.yes();
 }
@@ -153,7 +214,7 @@ void NearWalk::walk_scene(const StaticScene& scene) {
     const std::uint32_t part = scene.part_of(triangle);
     const ObjectId object = scene.part_objects[part];
     if (question.allows(object))
-      test(scene.mesh.triangle(triangle), object, triangle - scene.parts[part].first_triangle, kNotPlaced);
+      test(scene.mesh.triangle(triangle), object, triangle - scene.parts[part].first_triangle, NotPlaced());
     return limit_m2;
   };
   scene.tree.walk_near(point, limit_m2, 0, candidate, question.walk);
@@ -165,7 +226,7 @@ void NearWalk::walk_level(const SceneLevel& level, const StaticScene& scene) {
     const ObjectId object = scene.part_objects[part];
     if (question.allows(object)) {
       test(level.mesh.triangle(triangle), object, level.originals[triangle] - scene.parts[part].first_triangle,
-           kNotPlaced);
+           NotPlaced());
     }
     return limit_m2;
   };
@@ -244,11 +305,13 @@ void NearWalk::test_winding(const WindingMesh& winding, const Placed& object) {
 void NearWalk::walk_object(std::uint32_t slot) {
   const ObjectInfo& info = question.object(slot);
   if (!question.allows(info.id)) return;
-  const Frame frame = question.snapshot.frame(slot);
+  const Placed placed = question.placed_without_bounds(slot);
+  const Frame& frame = placed.frame;
   const auto test_primitive = [&](std::size_t number) {
     const Primitive& any = info.primitives[number];
-    const auto placing_m = [&] { return placing_error_m(frame, any, (point - frame.position).lpNorm<1>()); };
-    std::visit([&](const auto& own) { test(place(frame, own), info.id, kNoTriangle, placing_m); }, any);
+    const auto off_of = [&] { return placing_error_m(frame, any, (point - frame.position).lpNorm<1>()); };
+    const PosedPart placing{0, off_of, [&] { return placed.given(any); }};
+    std::visit([&](const auto& own) { test(place(frame, own), info.id, kNoTriangle, placing); }, any);
   };
   if (info.rare->parts) {
     walk_parts(*info.rare->parts, frame, test_primitive);
@@ -258,9 +321,11 @@ void NearWalk::walk_object(std::uint32_t slot) {
   if (info.rare->solid) test_solid(*info.rare->solid, question.placed(slot));
   if (info.rare->winding) test_winding(*info.rare->winding, question.placed(slot));
   if (!info.mesh) return;
+  const double most_off_m = placing_error_m(frame, info.mesh->radius_m);
   walk_local(info.mesh->tree, info.mesh->radius_m, frame, [&](std::uint32_t triangle) {
     const Triangle own = info.mesh->mesh->triangle(triangle);
-    test(place(frame, own), info.id, triangle, [&] { return placing_error_m(frame, own); });
+    const auto off_of = [&] { return placing_error_m(frame, own); };
+    test(place(frame, own), info.id, triangle, PosedPart{most_off_m, off_of, [&] { return placed.given(triangle); }});
   });
 }
 
@@ -297,7 +362,9 @@ bool find_nearest(Question& question, const double* n, bool use_levels) {
       .question = question, .point = point_of(n), .within_m = n[3], .limit_m2 = square_up(n[3]), .doubtful = doubtful};
   Aabb here;
   here.extend(walk.point);
-  for (const auto& scene : question.snapshot.scenes) {
+  const SceneList& scenes = question.snapshot.scenes;
+  scenes.walk_near(walk.point, walk.limit_m2, question.walk, [&](std::size_t index) {
+    const auto& scene = scenes[index];
     visit_solid_parts(*scene, here, question,
                       [&](const SolidPart& part, const Placed& object) { walk.test_solid(*part.solid, object); });
     visit_winding_parts(*scene, here, question, [&](const WindingPart& part, const Placed& object) {
@@ -306,11 +373,12 @@ bool find_nearest(Question& question, const double* n, bool use_levels) {
     const SceneLevel* level = use_levels ? coarsest_within(scene->levels, share_of_levels(question)) : nullptr;
     if (level == nullptr) {
       walk.walk_scene(*scene);
-      continue;
+      return walk.limit_m2;
     }
     const PrecisionScope blunter({.highest = question.asked.highest, .error_asked_m = question.asked.error_m / 4});
     walk.walk_level(*level, *scene);
-  }
+    return walk.limit_m2;
+  });
   if (question.snapshot.grid) walk.walk_movers(*question.snapshot.grid);
   if (question.found.size() == question.asked.max_hits) return true;
   return std::all_of(doubtful.begin(), doubtful.end(), [&](ObjectId object) {

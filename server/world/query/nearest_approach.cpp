@@ -108,7 +108,8 @@ class ApproachSearch {
       const double share = (part.part_to_ns - part.part_from_ns) / PathWalker::duration_ns(*piece);
       travel += sign * share * piece->motion.travel;
       // The reach of a half-space is infinite.
-      if (piece->motion.turn_rad > 0) length_m += share * piece->motion.turn_rad * walker->reach_m();
+      if (piece->motion.turn_rad > 0)
+        length_m += share * piece->motion.turn_rad * piece->motion.lever_m(walker->reach_m());
     }
     length_m += 2 * motion_error_m(part);
     return 0.5 * (travel.norm() + length_m) * (1 + kRounding);

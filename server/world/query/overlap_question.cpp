@@ -66,7 +66,9 @@ void ask_overlap(Question& question, const Asked& asked, const GivenPart& given,
   };
   // Reused from question to question, so that no answer allocates once it has grown.
   thread_local PartContacts touches(true);
-  for (const auto& scene : question.snapshot.scenes) {
+  const SceneList& scenes = question.snapshot.scenes;
+  scenes.walk_box(near, question.walk, [&](std::size_t index) {
+    const auto& scene = scenes[index];
     touches.clear(!any);
     const auto allowed = [&](std::uint32_t part) { return question.allows_part(*scene, part); };
     const auto meet = [&](std::uint32_t triangle, std::uint32_t part, const Triangle& corners) -> const ContactSearch& {
@@ -80,9 +82,9 @@ void ask_overlap(Question& question, const Asked& asked, const GivenPart& given,
       meet_solid(asked, *part.solid, object, touches.of(part.part), question);
     });
     for (const PartContact& part : touches.list()) take(scene->part_objects[part.part], part.touch);
-    if (ended()) return;
-  }
-  if (!question.snapshot.grid) return;
+    return !ended();
+  });
+  if (ended() || !question.snapshot.grid) return;
   const Primitive primitive = asked;
   const auto candidate = [&](std::uint32_t slot) {
     if (!question.allows(question.object(slot).id)) return true;

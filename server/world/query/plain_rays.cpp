@@ -137,32 +137,55 @@ inline void append_hit(const Snapshot& snapshot, const PlainRay& ray, Answers& a
   answers.oldest_pose_ns = answers.oldest_pose_ns < 0 ? posed_ns : std::min(answers.oldest_pose_ns, posed_ns);
 }
 
-inline void walk(const Snapshot& snapshot, const Questions& asked, PlainRay& ray) {
+/// Walks one scene.
+inline void walk_scene(const Snapshot& snapshot, const StaticScene& scene, const Questions& asked, PlainRay& ray) {
   const bool any = asked.mode == HitMode::any;
+  const PlainCandidate candidate{&ray, &scene, &snapshot, any, asked.with_hits};
+  if (!any) return scene.tree.walk_ray_nearest(ray.ray, ray.limit, scene.mesh, candidate, ray.walk);
+  Triangle corners;
+  candidate.meet(scene.tree.meet_ray(ray.ray, ray.limit, scene.mesh, candidate, ray.walk, corners), corners);
+}
+
+[[gnu::noinline]] void walk_many(const Snapshot& snapshot, const Questions& asked, PlainRay& ray) {
+  snapshot.scenes.walk_ray(ray.ray, ray.limit, ray.walk, [&](std::size_t index) {
+    walk_scene(snapshot, *snapshot.scenes[index], asked, ray);
+    return ray.limit;
+  });
+}
+
+inline void walk(const Snapshot& snapshot, const Questions& asked, PlainRay& ray) {
+  if (snapshot.scenes.are_many()) return walk_many(snapshot, asked, ray);
   for (const auto& scene : snapshot.scenes) {
-    const PlainCandidate candidate{&ray, scene.get(), &snapshot, any, asked.with_hits};
-    if (!any) {
-      scene->tree.walk_ray_nearest(ray.ray, ray.limit, scene->mesh, candidate, ray.walk);
-      continue;
-    }
-    Triangle corners;
-    candidate.meet(scene->tree.meet_ray(ray.ray, ray.limit, scene->mesh, candidate, ray.walk, corners), corners);
+    walk_scene(snapshot, *scene, asked, ray);
     if (ray.limit < 0) return;
   }
 }
 
+inline bool reaches(const Snapshot& snapshot, const std::vector<std::uint8_t>& allowed, PlainRay& ray) {
+  if (ray.limit < 0 || !snapshot.grid || snapshot.grid->size() == 0) return false;
+  bool reaches = false;
+  WalkCost cost = ray.walk;
+  const auto candidate = [&](std::uint32_t slot, double limit) {
+    reaches = allowed[slot] != 0;
+    return reaches ? -1 : limit;
+  };
+  snapshot.grid->walk_ray(ray.ray, ray.limit, candidate, cost);
+  if (!reaches) ray.walk = cost;
+  return reaches;
+}
+
 inline bool start(const double* numbers, PlainRay& ray) {
-  constexpr double kEndless = std::numeric_limits<double>::infinity();
+  constexpr double kNoEnd = std::numeric_limits<double>::infinity();
   const double length_m = numbers[6];
   ray.ray = ray_of(numbers);
-  ray.limit = length_m == kEndless ? length_m : length_m / length_of_direction(numbers + 3) * (1 + kFewSlack);
+  ray.limit = length_m == kNoEnd ? length_m : length_m / length_of_direction(numbers + 3) * (1 + kFewSlack);
   ray.walk = {};
   ray.exact_tests = 0;
   ray.level = Level::filter;
   ray.is_undecided = false;
   ray.met = kNoTriangle;
   // A length divided by a denormal direction may overflow.
-  return length_m == kEndless || ray.limit <= std::numeric_limits<double>::max();
+  return length_m == kNoEnd || ray.limit <= std::numeric_limits<double>::max();
 }
 
 /// A miss needs every test to have said no; where any hit will do, one that is certain is enough.
@@ -183,11 +206,19 @@ inline void write(const Snapshot& snapshot, const Questions& asked, const PlainR
 
 }  // namespace
 
-bool start_plain_ray(const double* numbers, PlainRay& ray) { return start(numbers, ray); }
-
 void walk_plain_rays(const Snapshot& snapshot, const Questions& asked, std::span<PlainRay*> rays,
                      std::span<Bvh::RayTask> tasks) {
+  if (snapshot.scenes.are_many()) {
+    for (PlainRay* ray : rays) walk(snapshot, asked, *ray);
+    return;
+  }
   for (const auto& scene : snapshot.scenes) walk_scene_of_plain(snapshot, *scene, asked, rays, tasks);
+}
+
+bool start_plain_ray(const double* numbers, PlainRay& ray) { return start(numbers, ray); }
+
+bool reaches_movers(const Snapshot& snapshot, const std::vector<std::uint8_t>& allowed, PlainRay& ray) {
+  return reaches(snapshot, allowed, ray);
 }
 
 void write_plain_ray(const Snapshot& snapshot, const Questions& asked, const PlainRay& ray, std::size_t place,
@@ -195,12 +226,14 @@ void write_plain_ray(const Snapshot& snapshot, const Questions& asked, const Pla
   write(snapshot, asked, ray, place, answers);
 }
 
-bool answer_plain_ray(const Snapshot& snapshot, const Questions& asked, const double* numbers, PlainRay& ray,
-                      std::size_t place, Answers& answers) {
-  if (!start(numbers, ray)) return false;
+PlainOutcome answer_plain_ray(const Snapshot& snapshot, const Questions& asked, const double* numbers,
+                              const std::vector<std::uint8_t>& allowed, PlainRay& ray, std::size_t place,
+                              Answers& answers) {
+  if (!start(numbers, ray)) return PlainOutcome::not_plain;
   walk(snapshot, asked, ray);
+  if (reaches(snapshot, allowed, ray)) return PlainOutcome::reaches_movers;
   write(snapshot, asked, ray, place, answers);
-  return true;
+  return PlainOutcome::answered;
 }
 
 }  // namespace collided::engine

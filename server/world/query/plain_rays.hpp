@@ -5,17 +5,19 @@
 #include <span>
 
 #include "server/world/query/query.hpp"
+#include "server/world/query/unknown_space.hpp"
 
 namespace collided::engine {
 
-/// Whether all rays asked are plain, but for those that start_plain_ray refuses.
+/// Whether all rays asked are plain, but for those that start_plain_ray refuses. What moves is asked afterwards, where a
+/// ray reaches its bounds: see reaches_movers().
 ///
 /// scratch  filled for the question's filter
 inline bool are_plain_rays(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
   if (asked.kind != QuestionKind::ray || asked.mode == HitMode::all) return false;
   if (asked.error_m != 0 || asked.highest != Level::rational || asked.deadline_ns != 0) return false;
-  if (!scratch.all_open || scratch.has_solids || (snapshot.covers && !snapshot.is_shard)) return false;
-  return !(snapshot.grid && snapshot.grid->size() > 0);
+  if (!scratch.all_open || scratch.has_solids || (scratch.unknown && scratch.unknown->is_any)) return false;
+  return !snapshot.covers || snapshot.is_shard;
 }
 
 /// numbers  as Questions::numbers, already validated
@@ -30,11 +32,15 @@ void walk_plain_rays(const Snapshot& snapshot, const Questions& asked, std::span
 /// Writes the answer's columns and appends the hit.
 void write_plain_ray(const Snapshot& snapshot, const Questions& asked, const PlainRay& ray, std::size_t place,
                      Answers& answers);
-/// All three for a ray alone.
+/// After the scenes: whether the ray may still meet something that moves and may answer. If not, its answer is complete.
+bool reaches_movers(const Snapshot& snapshot, const std::vector<std::uint8_t>& allowed, PlainRay& ray);
+/// All of these for a ray alone.
 ///
 /// ray      memory for it
-/// returns  that of start_plain_ray; false: nothing is written
-bool answer_plain_ray(const Snapshot& snapshot, const Questions& asked, const double* numbers, PlainRay& ray,
-                      std::size_t place, Answers& answers);
+/// returns  not_plain: as start_plain_ray; with it and with reaches_movers nothing is written
+enum class PlainOutcome { not_plain, answered, reaches_movers };
+PlainOutcome answer_plain_ray(const Snapshot& snapshot, const Questions& asked, const double* numbers,
+                              const std::vector<std::uint8_t>& allowed, PlainRay& ray, std::size_t place,
+                              Answers& answers);
 
 }  // namespace collided::engine

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 
 #include "idl/clocks.hpp"
@@ -60,7 +61,10 @@ void PoseMemory::note(const Step& step) {
   sources_.resize(step.sources.size());
   for (std::uint32_t i = 0; i < step.sources.size(); ++i) {
     const Source& source = step.sources[i];
-    sources_[i] = {.is_streamed = source.is_streamed, .known_ns = source.known_ns, .streamed_ns = source.streamed_ns};
+    sources_[i] = {.is_streamed = source.is_streamed,
+                   .gap_ns = source.gap_ns,
+                   .known_ns = source.known_ns,
+                   .streamed_ns = source.streamed_ns};
   }
 }
 
@@ -87,14 +91,37 @@ void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
             .born_ns = source != Sources::kResting ? row.born_ns : to_ns_,
             .source = source,
             .first = row.pose,
-            .moves = {}};
+            .moves = {},
+            .pivots = {}};
   }
   life.source = step.rows.source(slot);  // an attached object has its parent's
   if (!step.rows.is_posed(slot)) return;
   const bool has_source = life.source != Sources::kResting;
   const MotionTimes times =
       motion_times(row, step.rows.is_new(slot), has_source ? &step.sources[life.source] : nullptr);
+  life.note_pivot(times.to_ns, step.rows.pivot(slot));
   add_move(life, {.from_ns = times.from_ns, .to_ns = times.to_ns, .pose = row.pose});
+}
+
+void PoseMemory::Life::note_pivot(std::int64_t to_ns, const Vec3& pivot) {
+  constexpr std::size_t kMost = 64;  // an object is seldom attached so often within the memory's reach
+  const Vec3 before = pivots.empty() ? Vec3::Zero() : pivots.back().point;
+  if (before == pivot) return;
+  if (pivots.size() == kMost) pivots.erase(pivots.begin());
+  pivots.push_back({.from_ns = to_ns, .point = pivot});
+}
+
+Vec3 PoseMemory::Life::pivot_of(const Move& move) const {
+  const auto later =
+      std::find_if(pivots.begin(), pivots.end(), [&](const Pivot& pivot) { return pivot.from_ns > move.to_ns; });
+  return later == pivots.begin() ? Vec3::Zero() : std::prev(later)->point;
+}
+
+/// A lone sphere's centre moves straight, unless it rotates about another point.
+BodyMotion PoseMemory::motion_to(const Life& life, const Frame& before, const Move& move) {
+  const Vec3 pivot = life.pivot_of(move);
+  const std::optional<Sphere> ball = pivot.isZero(0) ? lone_sphere(*life.info) : std::nullopt;
+  return motion_between(ball, before, frame_of(move.pose), pivot);
 }
 
 void PoseMemory::add_move(Life& life, const Move& move) {
@@ -200,12 +227,10 @@ std::optional<PoseMemory::RememberedPath> PoseMemory::path_of(ObjectId id) const
                       .to_ns = is_resting ? to_ns_ : std::min(to_ns_, known_of(life)),
                       .first = frame_of(life.first),
                       .pieces = {}};
-  const std::optional<Sphere> ball = lone_sphere(*life.info);
   Frame before = path.first;
   life.moves.for_each([&](const Move& move) {
-    const Frame now = frame_of(move.pose);
-    path.pieces.push_back({.from_ns = move.from_ns, .to_ns = move.to_ns, .motion = motion_between(ball, before, now)});
-    before = now;
+    path.pieces.push_back({.from_ns = move.from_ns, .to_ns = move.to_ns, .motion = motion_to(life, before, move)});
+    before = frame_of(move.pose);
   });
   return path;
 }
@@ -234,7 +259,7 @@ std::int64_t PoseMemory::known_of(const Life& life) const {
   }
   const Known& known = sources_[life.source];
   if (!known.is_streamed) return known.known_ns;
-  return std::max({life.last_ns(), known.known_ns - kStreamGapNs, known.streamed_ns});
+  return std::max({life.last_ns(), known.known_ns - known.gap_ns, known.streamed_ns});
 }
 
 Frame PoseMemory::frame_at(const Life& life, std::int64_t time_ns) const {
@@ -242,7 +267,7 @@ Frame PoseMemory::frame_at(const Life& life, std::int64_t time_ns) const {
   const Frame rested = frame_of(before != nullptr ? before->pose : life.first);
   if (next == nullptr || time_ns <= next->from_ns) return rested;
   const double part = static_cast<double>(time_ns - next->from_ns) / static_cast<double>(next->to_ns - next->from_ns);
-  return motion_between(lone_sphere(*life.info), rested, frame_of(next->pose)).at(part);
+  return motion_to(life, rested, *next).at(part);
 }
 
 }  // namespace collided::engine

@@ -37,7 +37,7 @@ class PoseMemory {
   struct Step {
     const ObjectRows& rows;
     const Sources& sources;
-    const std::vector<std::shared_ptr<const StaticScene>>& scenes;
+    const SceneList& scenes;
     const std::vector<StaleObject>& stale_objects;
     const Snapshot& snapshot;  // the one that this step fills
   };
@@ -86,20 +86,30 @@ class PoseMemory {
     std::uint32_t source = 0;  // whose time its poses have
     Pose first;                // before the first of the moves
     MoveLog moves;
+    /// From a move's end on, the point of its frame that moves straight, as of BodyMotion; before the first: its origin.
+    struct Pivot {
+      std::int64_t from_ns = 0;
+      Vec3 point = Vec3::Zero();
+    };
+    std::vector<Pivot> pivots;
     double largest_mps = 0;  // largest speed of any move
 
     const Pose& last() const { return moves.empty() ? first : moves.back().pose; }
     std::int64_t last_ns() const { return moves.empty() ? born_ns : moves.back().to_ns; }
+    Vec3 pivot_of(const Move& move) const;
+    void note_pivot(std::int64_t to_ns, const Vec3& pivot);
     bool was_there(std::int64_t time_ns) const { return info && born_ns <= time_ns && time_ns < gone_ns; }
   };
   // A source's time, as in Source.
   struct Known {
     bool is_streamed = false;
+    std::int64_t gap_ns = 0;
     std::int64_t known_ns = 0;
     std::int64_t streamed_ns = 0;
   };
 
   void note_object(const Step& step, std::uint32_t slot);
+  static BodyMotion motion_to(const Life& life, const Frame& before, const Move& move);
   void add_move(Life& life, const Move& move);
   bool is_over_limit() const { return move_count_ * sizeof(Move) > options_.max_bytes; }
   void forget(Life& life);
@@ -115,7 +125,7 @@ class PoseMemory {
   mutable std::mutex mutex_;  // guards all members below
   std::vector<Life> lives_;   // by slot
   std::deque<Life> gone_;     // removed objects, by gone_ns
-  std::vector<std::shared_ptr<const StaticScene>> scenes_;
+  SceneList scenes_;
   std::shared_ptr<const std::vector<Aabb>> covers_;
   bool is_shard_ = false;
   std::shared_ptr<const PairRules> pair_rules_;

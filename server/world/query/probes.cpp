@@ -107,16 +107,18 @@ void Probes::bind(const Snapshot& snapshot, const Find& find) {
   is_bound_ = true;
 }
 
-Probes::Audience& Probes::audience_of(const Snapshot& snapshot, const Filter& filter) {
-  const auto known = std::find_if(audiences_.begin(), audiences_.end(),
-                                  [&](const Audience& audience) { return same(audience.filter, filter); });
+Probes::Audience& Probes::audience_of(const Snapshot& snapshot, const ObjectInfo& object) {
+  const auto known = std::find_if(audiences_.begin(), audiences_.end(), [&](const Audience& audience) {
+    return same(audience.filter, object.filter) && audience.partners == object.rare->allowed;
+  });
   if (known != audiences_.end()) return *known;
   // Filters are usually few. Where they are not, memory must not grow with them.
   constexpr std::size_t kMost = 64;
   if (audiences_.size() >= kMost) audiences_.clear();
   Audience& audience = audiences_.emplace_back();
-  audience.filter = filter;
-  for (const auto& info : *snapshot.objects) audience.allowed.push_back(info && may_meet(filter, info->filter) ? 1 : 0);
+  audience.filter = object.filter;
+  audience.partners = object.rare->allowed;
+  for (const auto& info : *snapshot.objects) audience.allowed.push_back(info && may_meet(object, *info) ? 1 : 0);
   for (const auto& scene : snapshot.scenes) {
     const bool is_open = std::all_of(scene->part_objects.begin(), scene->part_objects.end(),
                                      [&](ObjectId part) { return audience.allowed[slot_of(part)] != 0; });
@@ -145,7 +147,7 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
   const Vec3 start = place(frame, probe.start);
   const Vec3 direction = place(Frame{.rotation = frame.rotation}, probe.direction);
   const ObjectInfo& info = *(*snapshot.objects)[slot];
-  Audience& audience = audience_of(snapshot, info.filter);
+  Audience& audience = audience_of(snapshot, info);
   // A scene that contains the object itself is not open: its parts are filtered one by one.
   const bool is_part = info.scene_part != kNoScenePart;
   const std::vector<std::uint8_t> closed_scenes(is_part ? snapshot.scenes.size() : 0, 0);

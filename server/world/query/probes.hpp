@@ -77,15 +77,16 @@ class Probes {
     Vec3 direction = Vec3::Zero();
     ObjectId object = 0;
   };
-  /// The objects and scenes that an object with this filter may meet.
+  /// The objects and scenes that an object with this filter and these allowed pairs may meet.
   struct Audience {
     Filter filter;
+    AllowedPartners partners;
     std::vector<std::uint8_t> allowed;      // by slot
     std::vector<std::uint8_t> open_scenes;  // by scene: every part of it is allowed
   };
 
   void bind(const Snapshot& snapshot, const Find& find);
-  Audience& audience_of(const Snapshot& snapshot, const Filter& filter);
+  Audience& audience_of(const Snapshot& snapshot, const ObjectInfo& object);
   ProbeReading read(const Snapshot& snapshot, const Probe& probe);
   bool reaches_unknown_space(const Snapshot& snapshot, const Vec3& start, const Vec3& direction, double length_m);
 

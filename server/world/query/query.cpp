@@ -205,12 +205,12 @@ void note_age(Answers& answers, const Question& question) {
   return wire_contract::keeps_rules<wire_contract::kRayFields>(ray);
 }
 
-/// The rules number by number cost more than a node of the tree. A finite sum of magnitudes has finite terms alone, and
-/// one that overflows says nothing yet.
+/// The rules number by number cost more than a node of the tree. Magnitudes whose sum is within the limit are within it,
+/// and a larger sum says nothing yet.
 [[gnu::always_inline]] inline bool keeps_ray_rules(const double* numbers) {
   const double direction = std::abs(numbers[3]) + std::abs(numbers[4]) + std::abs(numbers[5]);
   const double sum = std::abs(numbers[0]) + std::abs(numbers[1]) + std::abs(numbers[2]) + direction;
-  const bool is_usual = direction > 0 && sum <= std::numeric_limits<double>::max() && numbers[6] >= 0;
+  const bool is_usual = direction > 0 && sum <= wire_contract::kMostCoordinate && numbers[6] >= 0;
   return is_usual || keeps_rules_one_by_one(numbers);
 }
 
@@ -265,15 +265,19 @@ struct QuestionBatch {
       doubt_where_unknown(answers, place, question, numbers_of(place), *scratch.unknown);
     if (!asked.with_hits) question.found.clear();
   }
-  /// A question alone finds its hits where they are wanted.
-  ///
   /// returns  false: it was given up, and has no answer
   bool answer_one(std::size_t place) const {
-    const double* numbers = numbers_of(place);
-    if (const std::optional<Verdict> at_once = answer_at_once(asked, numbers)) {
+    if (const std::optional<Verdict> at_once = answer_at_once(asked, numbers_of(place))) {
       write_at_once(answers, place, *at_once);
       return true;
     }
+    return answer_by(place, [&](Question& question) { ask(question, numbers_of(place)); });
+  }
+  /// A question alone finds its hits where they are wanted.
+  ///
+  /// returns  false: it was given up, and has no answer
+  template <class Ask>
+  bool answer_by(std::size_t place, const Ask& ask_question) const {
     const SearchTime time{
         .deadline_ns = asked.deadline_ns, .give_up_ns = asked.give_up_ns, .called_off = asked.called_off};
     Question question{.snapshot = snapshot,
@@ -282,7 +286,7 @@ struct QuestionBatch {
                       .open_scenes = scratch.open_scenes,
                       .found = asked.numbers.size() == stride ? answers.hits : scratch.found,
                       .deadline = time.end()};
-    ask(question, numbers);
+    ask_question(question);
     if (is_cut_short(question) && time.is_given_up()) {
       question.found.clear();
       return false;
@@ -294,8 +298,22 @@ struct QuestionBatch {
   bool answer_plain_ray(std::size_t place) const {
     const double* numbers = numbers_of(place);
     if (!keeps_ray_rules(numbers)) return answer_one(place);
-    PlainRay& memory = scratch.plain_rays.front();
-    return engine::answer_plain_ray(snapshot, asked, numbers, memory, place, answers) || answer_one(place);
+    PlainRay& ray = scratch.plain_rays.front();
+    switch (engine::answer_plain_ray(snapshot, asked, numbers, scratch.allowed, ray, place, answers)) {
+      case PlainOutcome::not_plain: return answer_one(place);
+      case PlainOutcome::answered: return true;
+      case PlainOutcome::reaches_movers: return answer_with_movers(place, ray);
+    }
+    return false;
+  }
+  /// After the walk through the scenes.
+  bool finish_plain_ray(std::size_t place, PlainRay& ray) const {
+    if (reaches_movers(snapshot, scratch.allowed, ray)) return answer_with_movers(place, ray);
+    write_plain_ray(snapshot, asked, ray, place, answers);
+    return true;
+  }
+  [[gnu::noinline]] bool answer_with_movers(std::size_t place, const PlainRay& ray) const {
+    return answer_by(place, [&](Question& question) { ask_ray_of_movers(question, numbers_of(place), ray); });
   }
   // These three return how many were answered before the pause, or before one was given up.
   std::size_t answer_plain_rays(std::size_t first, std::size_t count, std::span<Bvh::RayTask> tasks) const;
@@ -325,9 +343,14 @@ std::size_t QuestionBatch::answer_plain_rays(std::size_t first, std::size_t coun
     if (is_plain[i]) walks[size++] = &memory[i];
   }
   walk_plain_rays(snapshot, asked, std::span(walks).first(size), tasks);
+  const bool has_movers = snapshot.grid && snapshot.grid->size() > 0;
   for (std::size_t i = 0; i < count; ++i) {
-    if (is_plain[i]) write_plain_ray(snapshot, asked, memory[i], first + i, answers);
-    else if (!answer_one(first + i)) return i;
+    if (is_plain[i] && !has_movers) {
+      write_plain_ray(snapshot, asked, memory[i], first + i, answers);
+      continue;
+    }
+    const bool is_answered = is_plain[i] ? finish_plain_ray(first + i, memory[i]) : answer_one(first + i);
+    if (!is_answered) return i;
   }
   return count;
 }
@@ -447,7 +470,13 @@ bool answer_plain_ray_alone(const Snapshot& snapshot, const Questions& asked, An
   if (!are_plain_rays(snapshot, asked, scratch) || scratch.plain_rays.empty()) return false;
   const double* numbers = asked.numbers.data();
   if (!keeps_ray_rules(numbers)) return false;
-  if (!answer_plain_ray(snapshot, asked, numbers, scratch.plain_rays.front(), 0, answers)) return false;
+  PlainRay& ray = scratch.plain_rays.front();
+  const PlainOutcome outcome = answer_plain_ray(snapshot, asked, numbers, scratch.allowed, ray, 0, answers);
+  if (outcome == PlainOutcome::not_plain) return false;
+  if (outcome == PlainOutcome::reaches_movers) {
+    const QuestionBatch batch{snapshot, asked, scratch, answers, kRayNumbers};
+    if (!batch.answer_with_movers(0, ray)) answers.cut(0);
+  }
   if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, asked, answers);
   return true;
 }

@@ -10,6 +10,7 @@
 #include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/world/objects/deadline.hpp"
 #include "server/world/objects/scene_touch.hpp"
+#include "server/world/query/plain_ray.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine {
@@ -71,6 +72,8 @@ struct Question {
 
 /// Each answers one question; numbers as Questions::numbers, already validated.
 void ask_ray(Question& question, const double* numbers);
+/// Answers the ray with what moves, where the scenes were walked already.
+void ask_ray_of_movers(Question& question, const double* numbers, const PlainRay& after_scenes);
 /// Answers up to kRaysAtOnce rays, walking them through each static scene together; each answer is that of ask_ray.
 inline constexpr std::size_t kRaysAtOnce = 64;
 void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers);

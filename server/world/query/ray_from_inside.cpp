@@ -2,6 +2,7 @@
 
 #include <limits>
 
+#include "server/exact_phase/given/given_ray.hpp"
 #include "server/geometry/placing_error.hpp"
 #include "server/geometry/stable_length.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
@@ -12,7 +13,9 @@ namespace collided::engine {
 namespace {
 
 /// The nearest of the surface's triangles along the whole line of the ray, however long it was asked to be.
-RayHit first_on_surface(const Ray& ray, const IndexedMesh& surface, const Frame& frame, Question& question) {
+RayHit first_on_surface(const Ray& ray, const IndexedMesh& surface, const Placed& object, Question& question) {
+  const Frame& frame = object.frame;
+  const double off_m = object.pose != nullptr ? placing_error_m(frame, surface.radius_m) : 0;
   Ray endless = ray;
   endless.length_m = std::numeric_limits<double>::infinity();
   const double direction_m = stable_length(ray.direction);
@@ -24,7 +27,9 @@ RayHit first_on_surface(const Ray& ray, const IndexedMesh& surface, const Frame&
     const Triangle own = surface.mesh->triangle(number);
     const Triangle placed = place(frame, own);
     ++question.exact_tests;
-    if (!cast_ray(endless, placed, hit).yes() || hit.distance_m >= nearest.distance_m) return limit;
+    const auto given = [&] { return GivenPart{.own = own, .pose = object.pose, .frame = &frame}; };
+    if (!cast_ray_as_given(endless, placed, off_m, given, hit).yes() || hit.distance_m >= nearest.distance_m)
+      return limit;
     hit.distance_error_m += placing_error_along(ray, hit, placing_error_m(frame, own), &placed);
     nearest = hit;
     return limit = (hit.distance_m + hit.distance_error_m) / direction_m * (1 + kFewSlack);
@@ -41,7 +46,7 @@ std::optional<RayHit> hit_from_inside(const Ray& ray, const SolidMesh& solid, co
   const Aabb start{.low = ray.origin, .high = ray.origin};
   if (!overlaps(object.bounds, start) || question.deadline.is_over()) return std::nullopt;
   if (side_in_question(solid, object, ray.origin, question) != SolidSide::in) return std::nullopt;
-  const RayHit exit = first_on_surface(ray, *solid.surface, object.frame, question);
+  const RayHit exit = first_on_surface(ray, *solid.surface, object, question);
   if (question.deadline.was_over()) return std::nullopt;
   return RayHit{.point = ray.origin,
                 .normal = -exit.normal,

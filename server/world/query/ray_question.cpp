@@ -4,6 +4,7 @@
 #include <cmath>
 #include <type_traits>
 
+#include "server/exact_phase/given/given_ray.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/geometry/guess_tolerance.hpp"
 #include "server/geometry/placing_error.hpp"
@@ -42,10 +43,15 @@ struct RayWalk {
   bool closest() const { return question.asked.mode == HitMode::closest; }
   bool over() const { return limit < 0; }
 
-  /// Tests one part. placing_m() bounds how far the part may be from its exact pose; it is called only for hits that
-  /// are kept.
-  template <class Part, class PlacingError>
-  void test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m);
+  /// Tests one part of a scene, which stands in world coordinates.
+  void test(const Triangle& part, ObjectId object, std::uint32_t triangle);
+  /// Tests one part of a posed object: off_m bounds how far it is from its exact pose, given() is what the user gave, and
+  /// placing_m() the same bound for the place that was hit.
+  template <class Part, class GivenOf, class PlacingError>
+  void test_placed(const Part& part, ObjectId object, std::uint32_t triangle, double off_m, const GivenOf& given,
+                   const PlacingError& placing_m);
+  template <class Part>
+  bool is_skipped(const Part& part, ObjectId object, std::uint32_t triangle);
   /// Takes a hit. False: a nearer one is known.
   bool keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners);
   AnswerHit answer_of(const RayHit& hit, ObjectId object, std::uint32_t triangle) const;
@@ -63,9 +69,11 @@ struct RayWalk {
   void begin_in(const SolidMesh& solid, const Placed& object);
   void begin_in_scenes();
   void walk_scene(std::size_t scene);
+  void walk_scenes();
   void walk_object(std::uint32_t slot);
   void finish();
   void walk_movers();
+  void resume(const PlainRay& after_scenes);
   template <class Test>
   void walk_parts(const IndexedParts& parts, std::size_t count, const Frame& frame, Test&& test_one);
 };
@@ -78,6 +86,9 @@ inline AnswerHit RayWalk::answer_of(const RayHit& hit, ObjectId object, std::uin
 /// triangle.
 bool RayWalk::is_nearer(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) const {
   const AnswerHit& best = question.found.front();
+  // A ray that begins in a solid, and not on its surface, meets the surface later, though maybe by less than a rounding.
+  if ((best.flags & kInside) != 0 && best.object == object && question.object(slot_of(object)).rare->solid)
+    return false;
   if (hit.distance_m + hit.distance_error_m < best.distance_m - best_error_m) return true;
   if (best.distance_m + best_error_m < hit.distance_m - hit.distance_error_m) return false;
   if (corners != nullptr && best_is_triangle) {
@@ -110,28 +121,37 @@ inline bool RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t tria
   return true;
 }
 
-/// A scene's triangles are stored in world coordinates, so placing adds no error.
-constexpr auto kNotPlaced = [] { return 0.0; };
-
-template <class Part, class PlacingError>
-void RayWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, const PlacingError& placing_m) {
-  const Triangle* corners = nullptr;
+/// It was tested already, or there is no time left.
+template <class Part>
+bool RayWalk::is_skipped(const Part&, ObjectId object, std::uint32_t triangle) {
   if constexpr (std::is_same_v<Part, Triangle>) {
-    if (is_best(object, triangle)) return;
-    corners = &part;
+    if (is_best(object, triangle)) return true;
   }
   if (question.deadline.is_over()) {
     limit = -1;
-    return;
+    return true;
   }
+  return false;
+}
+
+inline void RayWalk::test(const Triangle& part, ObjectId object, std::uint32_t triangle) {
+  if (is_skipped(part, object, triangle)) return;
   RayHit hit;
   const ExactResult verdict = cast_ray(ray, part, hit);
   question.count(verdict);
-  if (!verdict.yes()) return;
-  if (!keep(hit, object, triangle, corners)) return;
-  if constexpr (!std::is_same_v<PlacingError, std::remove_const_t<decltype(kNotPlaced)>>) {
-    if (hit.distance_m > 0) widen(hit, placing_m(), corners);
-  }
+  if (verdict.yes()) keep(hit, object, triangle, &part);
+}
+
+template <class Part, class GivenOf, class PlacingError>
+void RayWalk::test_placed(const Part& part, ObjectId object, std::uint32_t triangle, double off_m, const GivenOf& given,
+                          const PlacingError& placing_m) {
+  if (is_skipped(part, object, triangle)) return;
+  const Triangle* corners = nullptr;
+  if constexpr (std::is_same_v<Part, Triangle>) corners = &part;
+  RayHit hit;
+  const ExactResult verdict = cast_ray_as_given(ray, part, off_m, given, hit);
+  question.count(verdict);
+  if (verdict.yes() && keep(hit, object, triangle, corners) && hit.distance_m > 0) widen(hit, placing_m(), corners);
 }
 
 void RayWalk::widen(const RayHit& hit, double placing_m, const Triangle* corners) {
@@ -149,8 +169,7 @@ struct SceneWalk {
   double operator()(std::uint32_t triangle, const Triangle& corners, double) const {
     const std::uint32_t part = scene->part_of(triangle);
     const ObjectId object = scene->part_objects[part];
-    if (walk->question.allows(object))
-      walk->test(corners, object, triangle - scene->parts[part].first_triangle, kNotPlaced);
+    if (walk->question.allows(object)) walk->test(corners, object, triangle - scene->parts[part].first_triangle);
     return walk->limit;
   }
   /// Takes the triangle that meet_ray found; it may have been offered as a candidate already, or be certain without it.
@@ -181,11 +200,13 @@ void RayWalk::begin_in(const SolidMesh& solid, const Placed& object) {
 
 void RayWalk::begin_in_scenes() {
   const Aabb start{.low = ray.origin, .high = ray.origin};
-  for (const auto& scene : question.snapshot.scenes) {
-    visit_solid_parts(*scene, start, question, [&](const SolidPart& part, const Placed& placed) {
+  const SceneList& scenes = question.snapshot.scenes;
+  scenes.walk_box(start, question.walk, [&](std::size_t index) {
+    visit_solid_parts(*scenes[index], start, question, [&](const SolidPart& part, const Placed& placed) {
       if (!over()) begin_in(*part.solid, placed);
     });
-  }
+    return !over();
+  });
 }
 
 void RayWalk::walk_scene(std::size_t index) {
@@ -200,6 +221,14 @@ void RayWalk::walk_scene(std::size_t index) {
       return candidate.meet(met, corners);
     }
   }
+}
+
+void RayWalk::walk_scenes() {
+  if (over()) return;
+  question.snapshot.scenes.walk_ray(ray, limit, question.walk, [&](std::size_t index) {
+    walk_scene(index);
+    return limit;
+  });
 }
 
 /// The tree of primitives knows bounds alone, which only its box walk uses: the ray is walked in pieces, near to far,
@@ -249,13 +278,17 @@ void RayWalk::walk_parts(const IndexedParts& parts, std::size_t count, const Fra
 void RayWalk::walk_object(std::uint32_t slot) {
   const ObjectInfo& info = question.object(slot);
   if (!question.allows(info.id)) return;
-  const Frame frame = question.snapshot.frame(slot);
+  const Placed object = question.placed_without_bounds(slot);
+  const Frame& frame = object.frame;
   const auto test_primitive = [&](std::size_t number) {
     const Primitive& any = info.primitives[number];
-    const auto placing_m = [&] {
-      return placing_error_m(frame, any, (ray.origin - frame.position).lpNorm<1>() + question.found.back().distance_m);
-    };
-    std::visit([&](const auto& own) { test(place(frame, own), info.id, kNoTriangle, placing_m); }, any);
+    const double away_m = (ray.origin - frame.position).lpNorm<1>();
+    const auto placing_m = [&] { return placing_error_m(frame, any, away_m + question.found.back().distance_m); };
+    // A shape that was given without a pose is exact where it is placed.
+    const double off_m = object.pose != nullptr ? placing_error_m(frame, any, away_m) : 0;
+    const auto given = [&] { return object.given(any); };
+    std::visit([&](const auto& own) { test_placed(place(frame, own), info.id, kNoTriangle, off_m, given, placing_m); },
+               any);
   };
   if (info.rare->parts) {
     walk_parts(*info.rare->parts, info.primitives.size(), frame, test_primitive);
@@ -266,9 +299,11 @@ void RayWalk::walk_object(std::uint32_t slot) {
   if (!info.mesh || over()) return;
   const TriangleMesh& mesh = *info.mesh->mesh;
   const LocalIndex index{info.mesh->tree, info.mesh->radius_m, mesh.triangles.size()};
+  const double off_m = object.pose != nullptr ? placing_error_m(frame, info.mesh->radius_m) : 0;
   walk_ray_in_frame(ray, limit, index, frame, question.walk, [&](std::uint32_t triangle) {
     const Triangle own = mesh.triangle(triangle);
-    test(place(frame, own), info.id, triangle, [&] { return placing_error_m(frame, own); });
+    const auto given = [&] { return object.given(triangle); };
+    test_placed(place(frame, own), info.id, triangle, off_m, given, [&] { return placing_error_m(frame, own); });
     return limit;
   });
 }
@@ -307,6 +342,23 @@ void RayWalk::walk_movers() {
   question.snapshot.grid->walk_ray(ray, limit, candidate, question.walk);
 }
 
+/// Takes what a plain ray found in the scenes.
+void RayWalk::resume(const PlainRay& after_scenes) {
+  question.walk = after_scenes.walk;
+  question.level = after_scenes.level;
+  question.exact_tests = after_scenes.exact_tests;
+  question.undecided = after_scenes.is_undecided;
+  limit = after_scenes.limit;
+  if (after_scenes.met == kNoTriangle) return;
+  const StaticScene& scene = *after_scenes.scene;
+  const std::uint32_t part = scene.part_of(after_scenes.met);
+  const std::uint32_t triangle = after_scenes.met - scene.parts[part].first_triangle;
+  question.found.push_back(answer_of(after_scenes.hit, scene.part_objects[part], triangle));
+  best_error_m = after_scenes.hit.distance_error_m;
+  best_is_triangle = true;
+  best_triangle = scene.mesh.triangle(after_scenes.met);
+}
+
 inline void RayWalk::finish() {
   if (!over() && question.snapshot.grid && question.snapshot.grid->size() > 0) walk_movers();
   if (question.asked.mode == HitMode::all) finish_all(question);
@@ -321,7 +373,13 @@ inline void RayWalk::finish() {
 void ask_ray(Question& question, const double* n) {
   RayWalk walk(question, n);
   walk.begin_in_scenes();
-  for (std::size_t scene = 0; scene < question.snapshot.scenes.size() && !walk.over(); ++scene) walk.walk_scene(scene);
+  walk.walk_scenes();
+  walk.finish();
+}
+
+void ask_ray_of_movers(Question& question, const double* n, const PlainRay& after_scenes) {
+  RayWalk walk(question, n);
+  walk.resume(after_scenes);
   walk.finish();
 }
 
@@ -358,8 +416,11 @@ void ask_rays(std::span<std::optional<Question>> questions, std::span<const doub
   std::array<std::optional<RayWalk>, kRaysAtOnce> memory;
   const std::span walks = std::span(memory).first(questions.size());
   for (std::size_t i = 0; i < questions.size(); ++i) walks[i].emplace(*questions[i], numbers[i]).begin_in_scenes();
-  const std::size_t scene_count = questions.front()->snapshot.scenes.size();
-  for (std::size_t scene = 0; scene < scene_count; ++scene) walk_scene_together(walks, scene);
+  const SceneList& scenes = questions.front()->snapshot.scenes;
+  for (std::size_t scene = 0; scene < scenes.size() && !scenes.are_many(); ++scene) walk_scene_together(walks, scene);
+  for (std::optional<RayWalk>& walk : walks) {
+    if (scenes.are_many()) walk->walk_scenes();
+  }
   for (std::optional<RayWalk>& walk : walks) walk->finish();
 }
 

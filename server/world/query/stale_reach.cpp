@@ -13,7 +13,7 @@
 namespace collided::engine {
 namespace {
 
-constexpr double kEndless = std::numeric_limits<double>::infinity();
+constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
 /// The region in which the object may be by now, roundings included.
 Aabb region_of(const StaleObject& object, std::int64_t world_time_ns) {
@@ -39,7 +39,7 @@ Aabb motion_of(const ObjectInfo& mover, const double* n) {
 
 /// The distance of the last hit of a full answer; infinite where the answer had room for more.
 double answered_up_to(const Questions& asked, std::span<const AnswerHit> hits) {
-  return hits.size() < asked.max_hits ? kEndless : hits.back().distance_m + hits.back().error_m;
+  return hits.size() < asked.max_hits ? kUnlimited : hits.back().distance_m + hits.back().error_m;
 }
 
 /// Whether an object somewhere within the region could change this answer.
@@ -47,7 +47,7 @@ bool could_change(const Questions& asked, const double* n, std::span<const Answe
   switch (asked.kind) {
     case QuestionKind::ray: {
       const double entry = entry_of(ray_of(n), region);
-      if (hits.empty()) return entry < kEndless;
+      if (hits.empty()) return entry < kUnlimited;
       return asked.mode == HitMode::closest && entry < hits[0].distance_m + hits[0].error_m;
     }
     case QuestionKind::sphere: return hits.empty() && overlaps(bounds(sphere_of(n)), region);

@@ -91,19 +91,26 @@ void ask_sweep(Question& question, const double* n) {
   question.found.clear();
   const ObjectInfo& mover = *question.asked.mover;
   SweepStart start(mover, n);
-  const SweptBody body(mover, BodyMotion(start.placed.frame, frame_of(pose_at(n + kPoseNumbers))));
+  BodyMotion motion(start.placed.frame, frame_of(pose_at(n + kPoseNumbers)));
+  motion.given = &start.pose;
+  const SweptBody body(mover, motion);
   First first;
-  for (const auto& scene : question.snapshot.scenes) {
-    meet_scene(question, body, *scene, first);
-    visit_solid_parts(*scene, start.placed.bounds, question, [&](const SolidPart& part, const Placed& outer) {
+  const Aabb way = bounds(mover, body.motion, reach_of(mover));
+  const SceneList& scenes = question.snapshot.scenes;
+  scenes.walk_box(way, question.walk, [&](std::size_t index) {
+    meet_scene(question, body, *scenes[index], first);
+    visit_solid_parts(*scenes[index], start.placed.bounds, question, [&](const SolidPart& part, const Placed& outer) {
       begin_in(question, *part.solid, outer, start, first);
     });
-  }
+    return true;
+  });
   const auto candidate = [&](std::uint32_t slot) {
     const ObjectInfo& other = question.object(slot);
     if (!question.allows(other.id)) return true;
     SweptContact touch;
-    const BodyMotion rest = BodyMotion::resting(question.snapshot.frame(slot));
+    const Placed placed = question.placed_without_bounds(slot);
+    BodyMotion rest = BodyMotion::resting(placed.frame);
+    rest.given = placed.pose;
     sweep(body, SweptBody(other, rest), options_of(question), question.walk, touch);
     question.exact_tests += touch.exact_tests;
     question.undecided = question.undecided || touch.undecided;
@@ -111,9 +118,7 @@ void ask_sweep(Question& question, const double* n) {
     if (other.rare->solid) begin_in(question, *other.rare->solid, question.placed(slot), start, first);
     return !question.deadline.was_over();
   };
-  if (question.snapshot.grid) {
-    question.snapshot.grid->walk_box(bounds(mover, body.motion, reach_of(mover)), candidate, question.walk);
-  }
+  if (question.snapshot.grid) question.snapshot.grid->walk_box(way, candidate, question.walk);
   if (!first.any) return;
   question.found.push_back(first.hit);
   question.bracket = {.low = std::min(first.bracket.low, first.bracket.high), .high = first.bracket.high};

@@ -18,6 +18,14 @@ void add_filter(const ObjectInfo& a, const ObjectInfo& b, std::vector<std::strin
     why.push_back(fmt::format("both are of group {}", a.filter.group));
 }
 
+void add_allowed_pair(const ObjectInfo& a, const ObjectInfo& b, std::vector<std::string>& why) {
+  if (!a.rare->allowed.contain(b.rare->allowed)) return;
+  why.push_back(
+      a.rare->allowed.pairs->is_every_pair()
+          ? fmt::format("both are links of '{}', loaded without an SRDF file: such links never meet", a.rare->scene)
+          : fmt::format("scene '{}' allows them to touch, by its SRDF file", a.rare->scene));
+}
+
 /// The last rule that fits a pair decides.
 void add_rule(const PairRules& rules, const ObjectInfo& a, const ObjectInfo& b, std::vector<std::string>& why) {
   const RuleFit fit_a = rules.fit_of(a.name);
@@ -37,6 +45,7 @@ std::vector<std::string> why_not_meeting(const Snapshot& snapshot, ObjectId a, O
   std::vector<std::string> why;
   if (!first.moving && !second.moving) why.emplace_back("neither of them moves");
   add_filter(first, second, why);
+  add_allowed_pair(first, second, why);
   if (snapshot.pair_rules) add_rule(*snapshot.pair_rules, first, second, why);
   return why;
 }

@@ -56,7 +56,10 @@ std::uint64_t key_of(std::string_view name) {
   return hash.value() % kPrime;
 }
 
-std::size_t group_of(std::uint64_t key) { return key % WorldDigest::kGroups; }
+std::size_t group_of(const ObjectInfo& info, std::uint64_t key) {
+  constexpr std::size_t kPublished = WorldDigest::kGroups - WorldDigest::kUnpublishedGroups;
+  return info.publisher != 0 ? key % kPublished : kPublished + key % WorldDigest::kUnpublishedGroups;
+}
 
 /// Never 0 modulo the prime, so that one object more or less shows.
 std::uint64_t hash_of(const ObjectInfo& info, const Frame& frame) {
@@ -66,6 +69,13 @@ std::uint64_t hash_of(const ObjectInfo& info, const Frame& frame) {
   hash.add(std::uint64_t{info.filter.layers});
   hash.add(std::uint64_t{info.filter.mask});
   hash.add(std::uint64_t{info.filter.group});
+  if (const AllowedPartners& allowed = info.rare->allowed; allowed.pairs) {
+    hash.add(std::uint64_t{allowed.number});
+    hash.add(std::uint64_t{allowed.pairs->is_every_pair()});
+    for (const auto& [low, high] : allowed.pairs->pairs()) {
+      if (low == allowed.number || high == allowed.number) hash.add(std::uint64_t{low} << 32 | high);
+    }
+  }
   hash.add(std::uint64_t{info.primitives.size()});
   hash.add(std::uint64_t{info.mesh ? info.mesh->mesh->triangles.size() : 0});
   for (const double x : frame.position) hash.add(x);
@@ -84,7 +94,7 @@ WorldDigest digest_of(const Snapshot& state) {
     if (!counts(info)) continue;
     const std::uint64_t key = key_of(info->name);
     const std::uint64_t hash = hash_of(*info, state.frame(static_cast<std::uint32_t>(slot)));
-    std::uint64_t* const sums = &digest.sums[2 * group_of(key)];
+    std::uint64_t* const sums = &digest.sums[2 * group_of(*info, key)];
     sums[0] = sum(sums[0], hash);
     sums[1] = sum(sums[1], product(hash, key));
   }

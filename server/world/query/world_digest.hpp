@@ -13,6 +13,8 @@ namespace collided::engine {
 /// tell which objects may be meant. Parts of static scenes are left out: scene_fingerprint() has them.
 struct WorldDigest {
   static constexpr std::size_t kGroups = 64;
+  /// The last of them have the objects of no publisher: what scenes and commands brought.
+  static constexpr std::size_t kUnpublishedGroups = 16;
   /// By group, two numbers: the sum of the objects' hashes, and of the products of hash and key of the name, both modulo
   /// 2^61 - 1.
   std::array<std::uint64_t, 2 * kGroups> sums{};

@@ -134,7 +134,7 @@ bool Candidates::consider(std::uint32_t first, std::uint32_t second) {
   const ObjectInfo& a = *rows_.info(first);
   const ObjectInfo& b = *rows_.info(second);
   if (!(a.moving || b.moving)) return true;
-  if (!may_meet(a.filter, b.filter)) {
+  if (!may_meet(a, b)) {
     ++cost_.filtered;
     return true;
   }

@@ -19,24 +19,13 @@ constexpr double kSweepWidth_s = 1e-9;
 
 bool rests(const BodyMotion& path) { return path.turn_rad == 0 && path.from.position == path.to.position; }
 
-/// The same piece with time reversed.
-PairPiece turned_back(const PairPiece& piece) {
-  return {.a = piece.a,
-          .b = piece.b,
-          .from_ns = piece.from_ns,
-          .to_ns = piece.to_ns,
-          .a_motion = {piece.a_motion.to, piece.a_motion.from},
-          .b_motion = {piece.b_motion.to, piece.b_motion.from}};
-}
-
 /// The velocity of the object's point that is at `point` at that time; an object without a segment rests.
 BodyMotion::PointVelocity velocity_on(const MotionSegment* segment, const Vec3& point, std::int64_t time_ns,
                                       double slack_s) {
   if (segment == nullptr) return {};
   const double length_ns = static_cast<double>(segment->to_ns - segment->from_ns);
-  return BodyMotion(segment->from, segment->to)
-      .velocity(point, static_cast<double>(time_ns - segment->from_ns) / length_ns,
-                length_ns * wire_contract::kNanosecond_s, slack_s);
+  return segment->path().velocity(point, static_cast<double>(time_ns - segment->from_ns) / length_ns,
+                                  length_ns * wire_contract::kNanosecond_s, slack_s);
 }
 
 }  // namespace
@@ -85,9 +74,16 @@ bool Decisions::decide_piece(const PairPiece& piece) {
     ledger_.decided_apart(a, b, seconds_ago(piece.from_ns), seconds_ago(piece.to_ns));
     return false;
   }
-  Contained contained = Contained::none;
-  const ContactSearch touch = touch_at_end(piece, contained);
+  WithinSolid within;
+  const ContactSearch touch = touch_at_end(piece, within);
+  const Contained contained = within.contained;
   if (touch.undecided && !touch.yes) ++cost_.undecided;
+  SweptContact sweep;
+  if (!is_held) {
+    sweep = sweep_piece(piece);
+    ++cost_.swept;
+  }
+  if (decide_intervals(piece, touch, within, is_held ? nullptr : &sweep)) return ledger_.is_open(a, b);
   if (is_held && touch.yes) {
     FoundContact found = found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1);
     found.contained = contained;
@@ -95,12 +91,10 @@ bool Decisions::decide_piece(const PairPiece& piece) {
     ledger_.touches(found);
     ++cost_.contacts;
   } else if (is_held && !touch.undecided) {
-    if (ledger_.contained(a, b) != Contained::none) ledger_.emerges(a, b, emerging(piece));
+    if (ledger_.contained(a, b) != Contained::none) ledger_.changes_containment(a, b, Contained::none, emerging(piece));
     const ContactEnd end = parting(piece);
     ledger_.parts(a, b, end.reason, end.bracket_low_s, end.bracket_high_s);
   } else if (!is_held) {
-    const SweptContact sweep = sweep_piece(piece);
-    ++cost_.swept;
     if (sweep.undecided && !sweep.yes && !touch.yes) ++cost_.sweeps_skipped;
     if (!touch.yes && !sweep.yes) doubt_piece(piece, touch, sweep);
     else if (may_begin()) begin_in_motion(piece, touch, sweep, contained);
@@ -130,7 +124,7 @@ void Decisions::doubt_piece(const PairPiece& piece, const ContactSearch& touch, 
 void Decisions::begin_in_motion(const PairPiece& piece, const ContactSearch& touch, const SweptContact& sweep,
                                 Contained contained) {
   ++cost_.contacts;
-  const PieceBracket first = in_seconds(piece, sweep.yes ? sweep.bracket : TimeBracket{0, 1}, sweep.contact.normal);
+  const PieceBracket first = in_seconds(piece, sweep.yes ? sweep.bracket : TimeBracket{0, 1}, sweep.contact);
   if (touch.yes || touch.undecided) {
     // Once touching, a pair holds until it is known to be apart.
     FoundContact found = touch.yes
@@ -158,17 +152,26 @@ void Decisions::begin_in_motion(const PairPiece& piece, const ContactSearch& tou
 
 /// When the pair parted: the piece's last contact is the first one of the reversed motion.
 ContactEnd Decisions::parting(const PairPiece& piece) {
-  const SweptContact back = sweep_piece(turned_back(piece));
+  const SweptContact back = sweep_piece(piece.reversed(), !piece.is_of_step);
   const TimeBracket bracket = back.yes ? TimeBracket{1 - back.bracket.high, 1 - back.bracket.low} : TimeBracket{0, 1};
-  const PieceBracket found = in_seconds(piece, bracket, back.contact.normal);
+  const PieceBracket found = in_seconds(piece, bracket, back.contact);
   return {.reason = EndReason::separated, .bracket_low_s = found.low_s, .bracket_high_s = found.high_s};
 }
 
+/// A bracket within the motions of one step is that of the motions as placed.
 Decisions::PieceBracket Decisions::in_seconds(const PairPiece& piece, const TimeBracket& bracket,
-                                              const Vec3& normal) const {
-  const BracketNs found = in_nanoseconds(piece.from_ns, piece.to_ns, {piece.a_motion, piece.b_motion}, bracket, normal);
+                                              const Contact& at) const {
+  if (piece.is_of_step) return in_seconds(piece, rounded_outward(piece.from_ns, piece.to_ns, bracket));
+  return in_seconds(piece, in_nanoseconds(piece.from_ns, piece.to_ns, {piece.a_motion, piece.b_motion}, bracket,
+                                          at.point, at.normal));
+}
+
+Decisions::PieceBracket Decisions::in_seconds(const PairPiece& piece, const BracketNs& found) const {
   const std::int64_t error_ns = clock_error_ns(piece.a, piece.b);
-  return {.low_s = seconds_ago(found.low_ns - error_ns), .high_s = seconds_ago(found.high_ns + error_ns)};
+  const PieceBracket in_s{.low_s = seconds_ago(found.low_ns - error_ns),
+                          .high_s = seconds_ago(found.high_ns + error_ns)};
+  if (piece.is_timed) return in_s;
+  return {.low_s = std::max(0.0, in_s.low_s), .high_s = std::max(0.0, in_s.high_s)};
 }
 
 /// Objects of one publisher share one clock.
@@ -202,14 +205,14 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
                           .to_ns = time_ns,
                           .a_motion = BodyMotion::resting(history.at(a, time_ns, rows_[a].pose)),
                           .b_motion = BodyMotion::resting(history.at(b, time_ns, rows_[b].pose))};
-  Contained contained = Contained::none;
-  const ContactSearch touch = touch_at_end(instant, contained);
+  WithinSolid within;
+  const ContactSearch touch = touch_at_end(instant, within);
   if (touch.undecided && !touch.yes) ++cost_.undecided;
   const bool is_held = ledger_.holds(rows_.info(a)->id, rows_.info(b)->id);
   if (touch.yes && (is_held || may_begin())) {
     ++cost_.contacts;
     FoundContact found = found_at(instant, touch.a_triangle, touch.b_triangle, touch.contact, 1);
-    found.contained = contained;
+    found.contained = within.contained;
     found.parted_low_s = found.bracket_low_s;
     found.parted_high_s = found.bracket_high_s;
     ledger_.touches(found);
@@ -226,9 +229,17 @@ bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t ti
 }
 
 /// Tests the two objects at the end of the piece.
-ContactSearch Decisions::touch_at_end(const PairPiece& piece, Contained& contained) {
+ContactSearch Decisions::touch_at_end(const PairPiece& piece, WithinSolid& within) {
+  return touch_at(piece, piece.a_motion.to, piece.b_motion.to, &within);
+}
+
+/// Tests the two objects at two frames: their surfaces, and unless `within` is null also what lies within a solid.
+ContactSearch Decisions::touch_at(const PairPiece& piece, const Frame& frame_a, const Frame& frame_b,
+                                  WithinSolid* within) {
+  if (piece.scene != nullptr)
+    return touch_part(piece, rows_.info(piece.a)->scene_part == kNoScenePart ? frame_a : frame_b, within);
   ContactSearch touch;
-  touch.wanted = step_.step_options.contacts;
+  touch.wanted = step_.step_options.contacts || is_cut(piece);
   const bool are_simple = are_balls_or_boxes(piece.a, piece.b);
   const auto placed_at = [&](std::uint32_t slot, const Frame& frame) {
     // A frame between two poses is interpolated: no pose was given for it.
@@ -241,37 +252,52 @@ ContactSearch Decisions::touch_at_end(const PairPiece& piece, Contained& contain
                                        : bounds_of(*rows_.info(slot), frame),
                   .pose = is_given ? &row.pose : nullptr};
   };
-  const Placed a = placed_at(piece.a, piece.a_motion.to);
-  const Placed b = placed_at(piece.b, piece.b_motion.to);
+  const Placed a = placed_at(piece.a, frame_a);
+  const Placed b = placed_at(piece.b, frame_b);
   if (are_simple || overlaps(a.bounds, b.bounds)) search_objects(a, b, touch, walk_);
   cost_.exact_tests += touch.exact_tests;
-  contained = look_within(a, b, touch);
+  if (within == nullptr || touch.yes) return touch;
+  within->contained = look_within(a, b, touch);
+  within->is_some = touch.yes;
   return touch;
 }
 
 /// The first contact within a piece. A sphere against an object that does not rotate is swept exactly along its motion
 /// relative to the other; all else by the general sweep.
-SweptContact Decisions::sweep_piece(const PairPiece& piece) {
+///
+/// with_contact  computes the contact, not only its time
+SweptContact Decisions::sweep_piece(const PairPiece& piece, bool with_contact) {
+  if (piece.scene != nullptr) return sweep_part_piece(piece, {0, 1}, bracket_width(piece));
   if (piece.b_motion.turn_rad == 0) {
-    if (const std::optional<SweptContact> found = sweep_sphere_piece(piece, true)) return *found;
+    if (const std::optional<SweptContact> found = sweep_sphere_piece(piece, true, with_contact)) return *found;
   }
   if (piece.a_motion.turn_rad == 0) {
-    if (const std::optional<SweptContact> found = sweep_sphere_piece(piece, false)) return turned_round(*found);
+    if (const std::optional<SweptContact> found = sweep_sphere_piece(piece, false, with_contact))
+      return turned_round(*found);
   }
+  return sweep_span(SweptBody(*rows_.info(piece.a), piece.a_motion), SweptBody(*rows_.info(piece.b), piece.b_motion),
+                    {0, 1}, bracket_width(piece), with_contact);
+}
+
+/// The first contact of two bodies within a span of their motions.
+SweptContact Decisions::sweep_span(const SweptBody& a, const SweptBody& b, const TimeSpan& span, double width,
+                                   bool with_contact) {
   SweptContact touch;
-  const double length_s = static_cast<double>(piece.to_ns - piece.from_ns) * wire_contract::kNanosecond_s;
-  const SweepOptions options{.width = std::clamp(kSweepWidth_s / length_s, kNarrowestBracket, kWidestBracket),
-                             .contacts = true,
-                             .most_looks = sweep_looks(),
-                             .looks = &cost_.sweep_looks};
-  sweep(SweptBody(*rows_.info(piece.a), piece.a_motion), SweptBody(*rows_.info(piece.b), piece.b_motion), options,
-        walk_, touch);
+  const SweepOptions options{
+      .width = width, .span = span, .contacts = with_contact, .most_looks = sweep_looks(), .looks = &cost_.sweep_looks};
+  sweep(a, b, options, walk_, touch);
   cost_.exact_tests += touch.exact_tests;
   return touch;
 }
 
+double Decisions::bracket_width(const PairPiece& piece) const {
+  const double length_s = static_cast<double>(piece.to_ns - piece.from_ns) * wire_contract::kNanosecond_s;
+  const double width_s = piece.is_of_step ? step_.options.sweep_width_s : kSweepWidth_s;
+  return std::clamp(width_s / length_s, kNarrowestBracket, kWidestBracket);
+}
+
 /// The exact sweep of one object's sphere against the other; nothing where that object is no lone sphere.
-std::optional<SweptContact> Decisions::sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere) {
+std::optional<SweptContact> Decisions::sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere, bool with_contact) {
   const std::uint32_t other = a_is_sphere ? piece.b : piece.a;
   const BodyMotion& path = a_is_sphere ? piece.a_motion : piece.b_motion;
   const BodyMotion& others = a_is_sphere ? piece.b_motion : piece.a_motion;
@@ -280,7 +306,8 @@ std::optional<SweptContact> Decisions::sweep_sphere_piece(const PairPiece& piece
   SphereSweep sweep{.mover = {.start = place(path.from, sphere->center) + others.travel,
                               .end = place(path.to, sphere->center),
                               .radius_m = sphere->radius_m},
-                    .width = step_.options.sweep_width};
+                    .width = step_.options.sweep_width,
+                    .contacts = with_contact};
   const Placed at_end{
       .info = rows_.info(other), .frame = others.to, .bounds = bounds_of(*rows_.info(other), others.to)};
   sweep_object(sweep, at_end, walk_);
@@ -334,8 +361,10 @@ double Decisions::placing_error_on(const PairPiece& piece, std::uint32_t a_trian
 }
 
 /// The contact at a fraction of the piece, bracketed by the whole piece; callers who know a narrower bracket set it.
+///
+/// known_slack_s  how uncertain the time is; without: as long as the piece
 FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,
-                                 const Contact& contact, double time) const {
+                                 const Contact& contact, double time, std::optional<double> known_slack_s) {
   const std::int64_t time_ns = piece.from_ns + std::llround(time * static_cast<double>(piece.to_ns - piece.from_ns));
   const MotionHistory& history = step_.motion.history();
   FoundContact found{.a = rows_.info(piece.a)->id,
@@ -346,12 +375,17 @@ FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangl
                      .bracket_low_s = seconds_ago(piece.from_ns - clock_error_ns(piece.a, piece.b)),
                      .bracket_high_s = seconds_ago(piece.to_ns + clock_error_ns(piece.a, piece.b))};
   if (step_.step_options.contacts) {
-    found.contact.depth_error_m += placing_error_on(piece, a_triangle, b_triangle);
+    found.contact.depth_error_m +=
+        piece.is_of_step ? placing_error_of(found) : placing_error_on(piece, a_triangle, b_triangle);
     // Of a contact that goes on untold no event has the velocity.
     if (!step_.step_options.persisted && ledger_.holds(found.a, found.b)) return found;
-    const double slack_s = wire_contract::kNanosecond_s * static_cast<double>(piece.to_ns - piece.from_ns);
-    set_velocity(found, velocity_on(history.under_way(piece.a, time_ns), contact.point, time_ns, slack_s),
-                 velocity_on(history.under_way(piece.b, time_ns), contact.point, time_ns, slack_s));
+    const double slack_s =
+        known_slack_s.value_or(wire_contract::kNanosecond_s * static_cast<double>(piece.to_ns - piece.from_ns));
+    const auto velocity = [&](std::uint32_t slot) {
+      return piece.is_of_step ? velocity_at(contact.point, slot, time, slack_s)
+                              : velocity_on(history.under_way(slot, time_ns), contact.point, time_ns, slack_s);
+    };
+    set_velocity(found, velocity(piece.a), velocity(piece.b));
   }
   return found;
 }

@@ -100,8 +100,10 @@ bool Decisions::is_timed(std::uint32_t slot) const {
 
 /// Sends one pair's finding to the ledger: a contact that begins or continues, one that began and ended within the
 /// step, or nothing new.
+///
+/// parted  when a contact that began and ended within the step ended; null: some time before its end
 void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep,
-                       std::uint32_t mover, Contained contained) {
+                       std::uint32_t mover, Contained contained, const ContactEnd* parted) {
   if (sweep != nullptr) {
     ++cost_.swept;
     cost_.exact_tests += sweep->exact_tests;
@@ -146,6 +148,10 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
                  velocity_at(point, slot_of(found.b), time, slack_s));
   }
   if (passed) {
+    if (parted != nullptr) {
+      found.parted_low_s = std::min(parted->bracket_low_s, found.bracket_low_s);
+      found.parted_high_s = std::min(parted->bracket_high_s, found.parted_low_s);
+    }
     ledger_.touched_and_parted(found);
   } else {
     ledger_.touches(found);
@@ -237,7 +243,7 @@ BodyMotion::PointVelocity Decisions::velocity_at(const Vec3& point, std::uint32_
   if (!rows_.has_moved(slot) && is_timed(slot)) return {};
   if (!rows_.has_moved(slot) && step_.world_time_ns - row.posed_ns > motion_ns) return {};
   const Frame now = row.frame();
-  const BodyMotion path(row.frame_before(now), now);
+  const BodyMotion path(row.frame_before(now), now, rows_.pivot(slot));
   return path.velocity(point, rows_.has_moved(slot) ? time : 1,
                        static_cast<double>(motion_ns) * wire_contract::kNanosecond_s, slack_s);
 }

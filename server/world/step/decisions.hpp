@@ -10,6 +10,7 @@
 
 #include "server/geometry/function_ref.hpp"
 #include "server/world/events/contact_ledger.hpp"
+#include "server/world/objects/contact_times.hpp"
 #include "server/world/objects/object_rows.hpp"
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/objects/sweep.hpp"
@@ -27,20 +28,30 @@ struct PartSweep {
   SweptContact touch;
 };
 
-/// A part of a static scene of which the mover, or which of the mover, lies within the other; a is the mover.
+/// A part of a static scene in which some of the mover lies, or which lies in the mover, though their surfaces do not
+/// touch; a is the mover.
 struct PartWithin {
   std::uint32_t part = 0;
   Contained contained = Contained::none;
 };
 
+/// Of two objects whose surfaces do not touch: whether they are in contact all the same.
+struct WithinSolid {
+  bool is_some = false;                   // some of one lies within the other
+  Contained contained = Contained::none;  // all of it does
+};
+
 /// Lists reused from step to step, so that deciding does not allocate.
 struct DecisionLists {
   PartContacts part_touches{true};
+  PartContacts touches_between{true};  // of one part, at a time between two poses
   std::vector<PartSweep> part_sweeps;
   std::vector<PartWithin> parts_within;
   PiecePoints pieces;
   PlacedBoxes boxes;
   std::vector<std::int64_t> cuts;
+  ContactTimes times;                  // of the surfaces of the pair at hand, in the piece at hand
+  std::vector<WithinSolid> gaps;       // after each of its intervals
   std::vector<std::uint32_t> unfound;  // numbers of open contacts
   std::vector<std::pair<std::uint32_t, std::uint32_t>> unfound_pairs;
 };
@@ -53,6 +64,17 @@ struct PairPiece {
   std::int64_t to_ns = 0;
   BodyMotion a_motion;
   BodyMotion b_motion;
+  bool is_of_step = false;             // the motions by which both came to their present poses; else of the history
+  bool is_timed = true;                // the publisher gives instants
+  const StaticScene* scene = nullptr;  // one of the two is a part of it
+
+  /// The same with time reversed.
+  PairPiece reversed() const {
+    PairPiece back = *this;
+    back.a_motion = a_motion.reversed();
+    back.b_motion = b_motion.reversed();
+    return back;
+  }
 };
 
 /// The decisions of one step: sends each candidate's contact, at the end of the step and on the way there, to the
@@ -101,7 +123,7 @@ class Decisions {
  private:
   // decisions.cpp: turns findings into calls of the ledger
   void report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep, std::uint32_t mover,
-              Contained contained);
+              Contained contained, const ContactEnd* parted = nullptr);
   void report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep, std::uint32_t mover);
   void set_bracket(FoundContact& found, const SweptContact* sweep, std::uint32_t mover) const;
   void set_bracket_of_moves(FoundContact& found) const;
@@ -112,8 +134,12 @@ class Decisions {
   bool is_timed(std::uint32_t slot) const;
 
   // scene_decisions.cpp
-  void touch_scene(const Placed& a, const StaticScene& scene);
-  void touch_scene_with_mesh(const Placed& a, const StaticScene& scene);
+  void touch_scene(const Placed& a, const StaticScene& scene, PartContacts& touches, std::uint32_t only = kNoScenePart);
+  void touch_scene_with_mesh(const Placed& a, const StaticScene& scene, PartContacts& touches, std::uint32_t only);
+  bool decide_part(std::uint32_t mover, const StaticScene& scene, const PartContact& found, const SweptContact* sweep,
+                   const WithinSolid& within);
+  ContactSearch touch_part(const PairPiece& piece, const Frame& frame, WithinSolid* within);
+  SweptContact sweep_part_piece(const PairPiece& piece, const TimeSpan& span, double width);
   void sweep_through(std::uint32_t mover, const StaticScene& scene);
   void sweep_parts(std::uint32_t mover, const StaticScene& scene);
   void sweep_sphere_parts(const MovingSphere& path, const ObjectInfo& mover, const StaticScene& scene);
@@ -125,13 +151,16 @@ class Decisions {
                ContactSearch& touch);
   Contained look_within(const Placed& a, const Placed& b, ContactSearch& touch);
   void look_within_scene(const Placed& a, const StaticScene& scene);
+  Contained look_within_part_at(const Placed& a, const StaticScene& scene, std::uint32_t part, ContactSearch& touch);
   void look_within_part(const Placed& a, const StaticScene& scene, std::uint32_t part,
                         FunctionRef<Contained(ContactSearch& touch)> look);
   void set_change_of_containment(const PairPiece& piece, FoundContact& found);
   ContactEnd emerging(const PairPiece& piece);
 
   // pair_decisions.cpp
-  Contained search_placing(std::uint32_t first, std::uint32_t second, bool are_near, ContactSearch& touch);
+  WithinSolid search_placing(std::uint32_t first, std::uint32_t second, bool are_near, ContactSearch& touch);
+  bool may_be_cut(std::uint32_t first, std::uint32_t second) const;
+  std::optional<PairPiece> piece_of_step(std::uint32_t first, std::uint32_t second) const;
   bool boxes_stay_apart(std::uint32_t first, std::uint32_t second, const PlacedBoxPair& boxes) const;
   double placing_error_of(const FoundContact& found);
   std::optional<SweptContact> sweep_between(std::uint32_t first, std::uint32_t second, bool with_contact,
@@ -146,24 +175,41 @@ class Decisions {
   bool balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const;
   void begin_window(std::uint32_t first, std::uint32_t second, const PairWindow& window);
   bool decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted);
-  ContactSearch touch_at_end(const PairPiece& piece, Contained& contained);
-  SweptContact sweep_piece(const PairPiece& piece);
-  std::optional<SweptContact> sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere);
+  ContactSearch touch_at_end(const PairPiece& piece, WithinSolid& within);
+  ContactSearch touch_at(const PairPiece& piece, const Frame& frame_a, const Frame& frame_b, WithinSolid* within);
+  SweptContact sweep_piece(const PairPiece& piece, bool with_contact = true);
+  SweptContact sweep_span(const SweptBody& a, const SweptBody& b, const TimeSpan& span, double width,
+                          bool with_contact = true);
+  double bracket_width(const PairPiece& piece) const;
+  std::optional<SweptContact> sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere, bool with_contact);
   bool surely_stay_apart(const PairPiece& piece) const;
   void begin_in_motion(const PairPiece& piece, const ContactSearch& touch, const SweptContact& sweep,
                        Contained contained);
   ContactEnd parting(const PairPiece& piece);
   double placing_error_on(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle) const;
   FoundContact found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,
-                        const Contact& contact, double time) const;
+                        const Contact& contact, double time, std::optional<double> known_slack_s = {});
   struct PieceBracket {
     double low_s = 0;  // seconds before the step's world time
     double high_s = 0;
   };
-  PieceBracket in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Vec3& normal) const;
+  PieceBracket in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Contact& at) const;
+  PieceBracket in_seconds(const PairPiece& piece, const BracketNs& found) const;
+  PieceBracket parted_in(const PairPiece& piece, const ContactInterval& interval) const;
+  void end_interval(const PairPiece& piece, std::size_t number);
   std::int64_t clock_error_ns(std::uint32_t a, std::uint32_t b) const;
   bool may_begin();
   void doubt_piece(const PairPiece& piece, const ContactSearch& touch, const SweptContact& sweep);
+
+  // piece_intervals.cpp: pairs that may touch several times in a piece
+  bool is_cut(const PairPiece& piece) const;
+  bool decide_intervals(const PairPiece& piece, const ContactSearch& touch, const WithinSolid& within,
+                        const SweptContact* first);
+  bool find_intervals(const PairPiece& piece, const TouchAtEnd& begin, const TouchAtEnd& end,
+                      const SweptContact* first);
+  TouchAtEnd surfaces_at_begin(const PairPiece& piece);
+  void report_intervals(const PairPiece& piece, const ContactSearch& touch);
+  bool begin_interval(const PairPiece& piece, std::size_t number, const ContactSearch& touch);
 
   // kept_apart.cpp: pairs of meshes that need no test for a while
   double gap_wanted_m(std::uint32_t slot) const;

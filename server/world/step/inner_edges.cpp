@@ -64,8 +64,7 @@ struct Corrected {
 
 class Correction {
  public:
-  Correction(const ObjectRows& rows, const StepMotion& motion,
-             const std::vector<std::shared_ptr<const StaticScene>>& scenes, ContactLedger& ledger)
+  Correction(const ObjectRows& rows, const StepMotion& motion, const SceneList& scenes, ContactLedger& ledger)
       : rows_(rows), motion_(motion), scenes_(scenes), ledger_(ledger) {}
 
   void run() {
@@ -279,7 +278,7 @@ class Correction {
 
   const ObjectRows& rows_;
   const StepMotion& motion_;
-  const std::vector<std::shared_ptr<const StaticScene>>& scenes_;
+  const SceneList& scenes_;
   ContactLedger& ledger_;
   // Reused from step to step.
   static thread_local std::vector<std::uint32_t> movers_;
@@ -295,8 +294,8 @@ thread_local std::vector<Corrected> Correction::corrected_;
 
 }  // namespace
 
-void correct_inner_edges(const ObjectRows& rows, const StepMotion& motion,
-                         const std::vector<std::shared_ptr<const StaticScene>>& scenes, ContactLedger& ledger) {
+void correct_inner_edges(const ObjectRows& rows, const StepMotion& motion, const SceneList& scenes,
+                         ContactLedger& ledger) {
   Correction(rows, motion, scenes, ledger).run();
 }
 

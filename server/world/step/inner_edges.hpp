@@ -20,7 +20,7 @@ namespace collided::engine {
 /// limits   "no farther" allows for the rounding of placing both. Bodies count if they have flat faces and at most 16
 /// primitives; a mover with more than 64 such contacts is left as it is
 /// threads  the writer's, after all contacts of a step are found
-void correct_inner_edges(const ObjectRows& rows, const StepMotion& motion,
-                         const std::vector<std::shared_ptr<const StaticScene>>& scenes, ContactLedger& ledger);
+void correct_inner_edges(const ObjectRows& rows, const StepMotion& motion, const SceneList& scenes,
+                         ContactLedger& ledger);
 
 }  // namespace collided::engine

@@ -11,7 +11,7 @@ Frame place_on(const MotionSegment& segment, std::int64_t time_ns) {
   if (time_ns <= segment.from_ns) return segment.from;
   const double share =
       static_cast<double>(time_ns - segment.from_ns) / static_cast<double>(segment.to_ns - segment.from_ns);
-  return BodyMotion(segment.from, segment.to).at(share);
+  return segment.path().at(share);
 }
 
 Vec3 center_on(const MotionSegment& segment, const Vec3& center, std::int64_t time_ns) {
@@ -98,7 +98,8 @@ BodyMotion MotionHistory::motion(std::uint32_t slot, std::int64_t from_ns, std::
   const MotionSegment* found = ending_after(slot, from_ns);
   if (found == nullptr) return BodyMotion::resting(segments_[slot].back().to);
   const bool rests = found->is_jump() || found->from_ns >= to_ns;
-  return rests ? BodyMotion::resting(found->from) : BodyMotion(place_on(*found, from_ns), place_on(*found, to_ns));
+  if (rests) return BodyMotion::resting(found->from);
+  return {place_on(*found, from_ns), place_on(*found, to_ns), found->pivot};
 }
 
 MotionHistory::PointMotion MotionHistory::center_motion(std::uint32_t slot, const Vec3& center, std::int64_t from_ns,

@@ -15,8 +15,10 @@ struct MotionSegment {
   std::int64_t to_ns = 0;
   Frame from;
   Frame to;
-  Aabb bounds;  // of the whole motion
+  Vec3 pivot = Vec3::Zero();  // as of BodyMotion
+  Aabb bounds;                // of the whole motion
 
+  BodyMotion path() const { return {from, to, pivot}; }
   bool is_jump() const { return from_ns == to_ns; }
 };
 

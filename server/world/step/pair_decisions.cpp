@@ -49,16 +49,30 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   touch.wanted = step_.step_options.contacts;
   const bool are_near =
       are_balls_or_boxes(first, second) || overlaps(motion_.pose_bounds(first), motion_.pose_bounds(second));
-  Contained contained = Contained::none;
+  WithinSolid within;
   // Nothing lies within a box, as within the solid that a mesh encloses.
   if (!boxes.are_boxes() || (are_near && !search_placed(boxes, touch)))
-    contained = search_placing(first, second, are_near, touch);
+    within = search_placing(first, second, are_near, touch);
   cost_.exact_tests += touch.exact_tests;
   std::optional<SweptContact> sweep;
   std::uint32_t mover = first;
   // Of a pair that touches at the end the contact there is told, and of the one on the way only its time.
-  if (!is_held) sweep = sweep_between(first, second, !touch.yes, mover);
-  report(a, b, touch, sweep ? &*sweep : nullptr, rows_.has_moved(mover) ? mover : first + second - mover, contained);
+  if (!is_held) sweep = sweep_between(first, second, !touch.yes || may_be_cut(first, second), mover);
+  const bool is_passing = sweep && sweep->yes && !touch.yes;
+  if ((is_held || touch.yes || is_passing) && (may_be_cut(first, second) || !touch.yes) &&
+      !(touch.undecided && !touch.yes)) {
+    if (const std::optional<PairPiece> piece = piece_of_step(first, second)) {
+      if (decide_intervals(*piece, touch, within, is_held || !sweep ? nullptr : &*sweep)) return;
+      if (!touch.yes) {
+        const ContactEnd end = parting(*piece);
+        if (is_held) return ledger_.parts(a, b, end.reason, end.bracket_low_s, end.bracket_high_s);
+        return report(a, b, touch, &*sweep, rows_.has_moved(mover) ? mover : first + second - mover, within.contained,
+                      &end);
+      }
+    }
+  }
+  report(a, b, touch, sweep ? &*sweep : nullptr, rows_.has_moved(mover) ? mover : first + second - mover,
+         within.contained);
   // What lies in a solid has a gap too, and is in contact.
   if (are_meshes && !touch.yes && touch.exact_tests == 0 && are_near) look_for_gap(first, second);
 }
@@ -92,13 +106,39 @@ bool Decisions::stay_apart(std::uint32_t first, std::uint32_t second) const {
 }
 
 /// Searches two objects of any kind where they are at the end of the step.
-Contained Decisions::search_placing(std::uint32_t first, std::uint32_t second, bool are_near, ContactSearch& touch) {
-  if (!are_near && !rows_.info(first)->rare->solid && !rows_.info(second)->rare->solid) return Contained::none;
+WithinSolid Decisions::search_placing(std::uint32_t first, std::uint32_t second, bool are_near, ContactSearch& touch) {
+  if (!are_near && !rows_.info(first)->rare->solid && !rows_.info(second)->rare->solid) return {};
   const bool with_bounds = !are_balls_or_boxes(first, second);
   const Placed a = placed(first, with_bounds);
   const Placed b = placed(second, with_bounds);
   if (are_near) search_objects(a, b, touch, walk_);
-  return look_within(a, b, touch);
+  if (touch.yes) return {};
+  const Contained contained = look_within(a, b, touch);
+  return {touch.yes, contained};
+}
+
+/// Unless the two are single convex objects that go straight.
+bool Decisions::may_be_cut(std::uint32_t first, std::uint32_t second) const {
+  return motion_.turns(first) || motion_.turns(second) || !is_lone_convex(*rows_.info(first)) ||
+         !is_lone_convex(*rows_.info(second));
+}
+
+/// The motions of both in this step, lower id first; nothing where one of them was placed or no time is known.
+std::optional<PairPiece> Decisions::piece_of_step(std::uint32_t first, std::uint32_t second) const {
+  if (rows_.motion(first) == Motion::placed || rows_.motion(second) == Motion::placed) return std::nullopt;
+  const std::uint32_t mover = rows_.motion(first) == Motion::moved ? first : second;
+  const ObjectRow& row = rows_[mover];
+  if (rows_.motion(mover) != Motion::moved || row.posed_before_ns == kPosedAtStep ||
+      row.posed_before_ns >= row.posed_ns)
+    return std::nullopt;
+  return PairPiece{.a = first,
+                   .b = second,
+                   .from_ns = row.posed_before_ns,
+                   .to_ns = row.posed_ns,
+                   .a_motion = motion_.body_motion(first),
+                   .b_motion = motion_.body_motion(second),
+                   .is_of_step = true,
+                   .is_timed = is_timed(mover)};
 }
 
 /// The two certainly do not meet on their motions.

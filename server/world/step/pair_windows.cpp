@@ -62,7 +62,7 @@ void cut(const StepView& step, std::uint32_t first, std::uint32_t second, const 
   for (const std::uint32_t slot : {first, second}) {
     step.motion.history().add_times(slot, window.from_ns, window.to_ns, cuts);
     const Source& source = step.sources[step.rows.source(slot)];
-    const std::int64_t back_ns = source.is_streamed ? kStreamGapNs : 0;
+    const std::int64_t back_ns = source.is_streamed ? source.gap_ns : 0;
     for (const std::int64_t instant : source.instants) {
       for (const std::int64_t time : {instant, instant - back_ns}) {
         if (time > window.from_ns && time < window.to_ns) cuts.push_back(time);
@@ -73,19 +73,26 @@ void cut(const StepView& step, std::uint32_t first, std::uint32_t second, const 
   cuts.erase(std::unique(cuts.begin(), cuts.end()), cuts.end());
 }
 
-BracketNs in_nanoseconds(std::int64_t from_ns, std::int64_t to_ns, const MotionPair& motions,
-                         const TimeBracket& bracket, const Vec3& normal) {
+BracketNs rounded_outward(std::int64_t from_ns, std::int64_t to_ns, const TimeBracket& bracket) {
   const double length_ns = static_cast<double>(to_ns - from_ns);
+  const double low = std::clamp(bracket.low * length_ns, 0.0, length_ns);
+  const double high = std::clamp(bracket.high * length_ns, 0.0, length_ns);
+  return {.low_ns = from_ns + static_cast<std::int64_t>(std::floor(low)),
+          .high_ns = from_ns + static_cast<std::int64_t>(std::ceil(high))};
+}
+
+BracketNs in_nanoseconds(std::int64_t from_ns, std::int64_t to_ns, const MotionPair& motions,
+                         const TimeBracket& bracket, const Vec3& point, const Vec3& normal) {
   double place_m = 0;
   for (const BodyMotion* path : {&motions.a, &motions.b}) {
     place_m += path->from.position.cwiseAbs().maxCoeff() + path->to.position.cwiseAbs().maxCoeff();
   }
-  const double closing_m = std::abs(normal.dot(motions.b.travel - motions.a.travel));
+  const auto motion_of = [&](const BodyMotion& motion) {
+    return motion.turn_rad == 0 ? motion.travel : motion.velocity(point, bracket.high, 1, 0).mps;
+  };
+  const double closing_m = std::abs(normal.dot(motion_of(motions.b) - motion_of(motions.a)));
   const double slack = kPlaceSlack * place_m < closing_m ? kPlaceSlack * place_m / closing_m : 1;
-  const double low = std::clamp((bracket.low - slack) * length_ns, 0.0, length_ns);
-  const double high = std::clamp((bracket.high + slack) * length_ns, 0.0, length_ns);
-  return {.low_ns = from_ns + static_cast<std::int64_t>(std::floor(low)),
-          .high_ns = from_ns + static_cast<std::int64_t>(std::ceil(high))};
+  return rounded_outward(from_ns, to_ns, {bracket.low - slack, bracket.high + slack});
 }
 
 }  // namespace collided::engine

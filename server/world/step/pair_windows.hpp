@@ -41,9 +41,11 @@ struct BracketNs {
   std::int64_t low_ns = 0;
   std::int64_t high_ns = 0;
 };
-/// A bracket within a piece of time in whole nanoseconds, rounded outward, and widened by how long the rounding of both
-/// positions takes along the normal.
+/// A bracket within a piece of time in whole nanoseconds, rounded outward.
+BracketNs rounded_outward(std::int64_t from_ns, std::int64_t to_ns, const TimeBracket& bracket);
+/// The same, widened by how long the rounding of both
+/// positions takes at the point along the normal.
 BracketNs in_nanoseconds(std::int64_t from_ns, std::int64_t to_ns, const MotionPair& motions,
-                         const TimeBracket& bracket, const Vec3& normal);
+                         const TimeBracket& bracket, const Vec3& point, const Vec3& normal);
 
 }  // namespace collided::engine

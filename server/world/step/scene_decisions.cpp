@@ -14,7 +14,8 @@ void Decisions::decide_scene(std::uint32_t mover, std::size_t scene_number) {
   }
   const StaticScene& scene = *step_.scenes[scene_number];
   const Placed a = placed(mover);
-  touch_scene(a, scene);
+  lists_.part_touches.clear(step_.step_options.contacts);
+  touch_scene(a, scene, lists_.part_touches);
   look_within_scene(a, scene);
   sweep_through(mover, scene);
   for (PartContact& found : lists_.part_touches.list()) {
@@ -23,22 +24,95 @@ void Decisions::decide_scene(std::uint32_t mover, std::size_t scene_number) {
                                     [&](const PartSweep& of) { return of.part == found.part; });
     const auto within = std::find_if(lists_.parts_within.begin(), lists_.parts_within.end(),
                                      [&](const PartWithin& of) { return of.part == found.part; });
-    report(a.info->id, scene.part_objects[found.part], found.touch,
-           sweep != lists_.part_sweeps.end() ? &sweep->touch : nullptr, mover,
-           within != lists_.parts_within.end() ? within->contained : Contained::none);
+    const SweptContact* const first = sweep != lists_.part_sweeps.end() ? &sweep->touch : nullptr;
+    WithinSolid inside;
+    if (within != lists_.parts_within.end()) inside = {true, within->contained};
+    if (decide_part(mover, scene, found, first, inside)) continue;
+    report(a.info->id, scene.part_objects[found.part], found.touch, first, mover, inside.contained);
   }
   if (lists_.part_touches.list().empty() && is_bare_mesh(mover)) look_for_gap(mover, scene, partner_of(scene_number));
 }
 
-/// Collects in part_touches the parts that the mover touches at its pose.
-void Decisions::touch_scene(const Placed& a, const StaticScene& scene) {
-  const auto allowed = [&](std::uint32_t part) { return may_meet(a.info->filter, scene.parts[part].filter); };
-  lists_.part_touches.clear(step_.step_options.contacts);
+/// All contacts of the mover and a part on the way to its pose. False: they have none that the pose does not show.
+bool Decisions::decide_part(std::uint32_t mover, const StaticScene& scene, const PartContact& found,
+                            const SweptContact* sweep, const WithinSolid& within) {
+  const std::uint32_t part = slot_of(scene.part_objects[found.part]);
+  const bool is_turned = rows_.has_lower_id(part, mover);
+  const std::uint32_t first = is_turned ? part : mover;
+  const std::uint32_t second = is_turned ? mover : part;
+  const bool is_met = sweep != nullptr && sweep->yes;
+  if (!found.touch.yes && !is_met && !ledger_.holds(rows_.id(first), rows_.id(second))) return false;
+  std::optional<PairPiece> piece = piece_of_step(first, second);
+  if (!piece) return false;
+  piece->scene = &scene;
+  SweptContact met;
+  if (is_met) met = is_turned ? turned_round(*sweep) : *sweep;
+  return decide_intervals(*piece, is_turned ? turned_round(found.touch) : found.touch,
+                          {within.is_some, is_turned ? turned_round(within.contained) : within.contained},
+                          is_met ? &met : nullptr);
+}
+
+/// Tests the mover at a frame against the part of the piece, as Decisions::touch_at.
+ContactSearch Decisions::touch_part(const PairPiece& piece, const Frame& frame, WithinSolid* within) {
+  const bool is_turned = rows_.info(piece.a)->scene_part != kNoScenePart;
+  const std::uint32_t mover = is_turned ? piece.b : piece.a;
+  const std::uint32_t part = rows_.info(is_turned ? piece.a : piece.b)->scene_part;
+  const Placed a{.info = rows_.info(mover), .frame = frame, .bounds = bounds_of(*rows_.info(mover), frame)};
+  lists_.touches_between.clear(true);
+  touch_scene(a, *piece.scene, lists_.touches_between, part);
+  ContactSearch touch = lists_.touches_between.of(part);
+  cost_.exact_tests += touch.exact_tests;
+  if (within != nullptr && !touch.yes) {
+    within->contained = look_within_part_at(a, *piece.scene, part, touch);
+    if (is_turned) within->contained = turned_round(within->contained);
+    within->is_some = touch.yes;
+  }
+  return is_turned ? turned_round(touch) : touch;
+}
+
+/// The first contact of the mover and the part within a span of the piece.
+SweptContact Decisions::sweep_part_piece(const PairPiece& piece, const TimeSpan& span, double width) {
+  const bool is_turned = rows_.info(piece.a)->scene_part != kNoScenePart;
+  const std::uint32_t mover = is_turned ? piece.b : piece.a;
+  const BodyMotion& motion = is_turned ? piece.b_motion : piece.a_motion;
+  const StaticScene& scene = *piece.scene;
+  const std::uint32_t part = rows_.info(is_turned ? piece.a : piece.b)->scene_part;
+  const std::optional<Sphere> sphere = rows_.lone_sphere(mover);
+  SweptContact touch;
+  if (sphere && span.low == 0 && span.high == 1) {
+    SphereSweep sweep{.mover = {.start = place(motion.from, sphere->center),
+                                .end = place(motion.to, sphere->center),
+                                .radius_m = sphere->radius_m},
+                      .width = step_.options.sweep_width};
+    visit_scene(
+        scene, bounds(sweep.mover), walk_, [&](std::uint32_t number) { return number == part; },
+        [&](std::uint32_t triangle, std::uint32_t, const Triangle& corners) {
+          sweep_part(sweep, corners, triangle);
+          return true;
+        });
+    touch = sweep.found;
+  } else {
+    const SweepOptions options{
+        .width = width, .span = span, .contacts = true, .most_looks = sweep_looks(), .looks = &cost_.sweep_looks};
+    const auto touch_of = [&](std::uint32_t triangle) { return scene.part_of(triangle) == part ? &touch : nullptr; };
+    if (!sweep_scene(SweptBody(*rows_.info(mover), motion), SweptBody(scene), options, walk_, touch_of))
+      touch.undecided = touch.is_cut_short = true;
+  }
+  cost_.exact_tests += touch.exact_tests;
+  if (touch.yes) touch.b_triangle -= scene.parts[part].first_triangle;
+  return is_turned ? turned_round(touch) : touch;
+}
+
+/// Collects the parts that the mover touches at its pose; `only`: of them this one.
+void Decisions::touch_scene(const Placed& a, const StaticScene& scene, PartContacts& touches, std::uint32_t only) {
+  const auto allowed = [&](std::uint32_t part) {
+    return (only == kNoScenePart || part == only) && may_meet(a.info->filter, scene.parts[part].filter);
+  };
   const auto test = [&](const auto& part_of_a, const Primitive& own) {
     const GivenPart given = a.given(own);
     visit_scene(scene, bounds_as_given(a.frame, own), walk_, allowed,
                 [&](std::uint32_t triangle, std::uint32_t part, const Triangle& b) {
-                  ContactSearch& touch = lists_.part_touches.of(part);
+                  ContactSearch& touch = touches.of(part);
                   if (!touch.done())
                     search_parts(part_of_a, kNoTriangle, b, triangle - scene.parts[part].first_triangle, touch,
                                  {given, GivenPart{}});
@@ -48,7 +122,7 @@ void Decisions::touch_scene(const Placed& a, const StaticScene& scene) {
   for (const Primitive& primitive : a.info->primitives) {
     std::visit([&](const auto& own) { test(place(a.frame, own), primitive); }, primitive);
   }
-  if (a.info->mesh && overlaps(a.bounds, scene.tree.bounds())) touch_scene_with_mesh(a, scene);
+  if (a.info->mesh && overlaps(a.bounds, scene.tree.bounds())) touch_scene_with_mesh(a, scene, touches, only);
 }
 
 /// Collects in part_sweeps the parts that the mover meets during its motion. Parts not touched at its end need an entry
@@ -106,14 +180,17 @@ void Decisions::sweep_parts(std::uint32_t mover, const StaticScene& scene) {
     sweep.touch.b_triangle -= sweep.touch.yes ? scene.parts[sweep.part].first_triangle : 0;
 }
 
-void Decisions::touch_scene_with_mesh(const Placed& a, const StaticScene& scene) {
-  std::size_t open_parts = 0;
-  for (const Part& part : scene.parts) open_parts += may_meet(a.info->filter, part.filter) ? 1 : 0;
+void Decisions::touch_scene_with_mesh(const Placed& a, const StaticScene& scene, PartContacts& touches,
+                                      std::uint32_t only) {
+  std::size_t open_parts = only == kNoScenePart ? 0 : 1;
+  if (only == kNoScenePart) {
+    for (const Part& part : scene.parts) open_parts += may_meet(a.info->filter, part.filter) ? 1 : 0;
+  }
   const auto visit = [&](std::uint32_t triangle, const Triangle& b, std::uint32_t a_triangle, const Triangle& own) {
     const std::uint32_t number = scene.part_of(triangle);
     const Part& part = scene.parts[number];
-    if (!may_meet(a.info->filter, part.filter)) return true;
-    ContactSearch& touch = lists_.part_touches.of(number);
+    if ((only != kNoScenePart && number != only) || !may_meet(a.info->filter, part.filter)) return true;
+    ContactSearch& touch = touches.of(number);
     if (touch.done()) return true;
     const GivenPart given = a.given(a_triangle);
     search_parts(own, a_triangle, b, triangle - part.first_triangle, touch, {given, GivenPart{}});

@@ -9,8 +9,9 @@
 
 namespace collided::engine {
 
-BodyMotion motion_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now) {
-  if (!lone_sphere) return {before, now};
+BodyMotion motion_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now,
+                          const Vec3& pivot) {
+  if (!lone_sphere) return {before, now, pivot};
   BodyMotion path{now, now};
   const Vec3& center = lone_sphere->center;
   path.from.position = place(before, center) - (place(now, center) - now.position);
@@ -114,7 +115,8 @@ MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Sourc
   MotionSegment segment{
       .from_ns = times.from_ns, .to_ns = times.to_ns, .from = row.frame_before(), .to = row.frame(), .bounds = at_end};
   if (!segment.is_jump()) {
-    const BodyMotion path = motion_between(rows.lone_sphere(slot), segment.from, segment.to);
+    segment.pivot = rows.pivot(slot);
+    const BodyMotion path = motion_between(rows.lone_sphere(slot), segment.from, segment.to, segment.pivot);
     segment.from = path.from;
     segment.to = path.to;
     segment.bounds = bounds(*rows.info(slot), path, row.reach_m);
@@ -136,8 +138,8 @@ std::optional<MovingSphere> StepMotion::sphere_motion(std::uint32_t slot) const 
 BodyMotion StepMotion::body_motion(std::uint32_t slot) const {
   const ObjectRow& row = rows_[slot];
   const Frame now = row.frame();
-  return motion_between(rows_.lone_sphere(slot), rows_.motion(slot) == Motion::moved ? row.frame_before(now) : now,
-                        now);
+  return motion_between(rows_.lone_sphere(slot), rows_.motion(slot) == Motion::moved ? row.frame_before(now) : now, now,
+                        rows_.pivot(slot));
 }
 
 double StepMotion::longest_displacement_m(std::uint32_t slot, double reach_m) const {
@@ -168,7 +170,7 @@ void StepMotion::count_motion(std::uint32_t slot, SeparationCache& apart) const 
     apart.placed(slot);
     return;
   }
-  const double reach_m = info->mesh->radius_m;
+  const double reach_m = info->mesh->radius_m + 2 * rows_.pivot(slot).stableNorm();
   apart.moved(slot, longest_displacement_m(slot, reach_m) * (1 + kBoundSlack) +
                         placement_slack(rows_[slot].pose_before.position, 0, reach_m) +
                         placement_slack(rows_[slot].pose.position, 0, reach_m));

@@ -31,7 +31,10 @@ struct MotionTimes {
 /// source  whose time the object has; null: the server's own
 MotionTimes motion_times(const ObjectRow& row, bool is_new, const Source* source);
 /// The motion of any object between two frames; for a lone sphere, the translation of its centre.
-BodyMotion motion_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now);
+///
+/// pivot  as of BodyMotion; other than zero only without a lone sphere
+BodyMotion motion_between(const std::optional<Sphere>& lone_sphere, const Frame& before, const Frame& now,
+                          const Vec3& pivot);
 
 /// The motion by which an object got its newest pose.
 ///

@@ -16,7 +16,7 @@ struct StepView {
   const ObjectRows& rows;
   const StepMotion& motion;
   const Sources& sources;
-  const std::vector<std::shared_ptr<const StaticScene>>& scenes;  // in order of loading
+  const SceneList& scenes;
   const WorldOptions& options;
   StepOptions step_options;
   std::int64_t world_time_ns;

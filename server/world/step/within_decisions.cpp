@@ -75,7 +75,18 @@ void Decisions::look_within_part(const Placed& a, const StaticScene& scene, std:
   const Contained contained = look(touch);
   if (!touch.yes) return;
   lists_.part_touches.of(part) = touch;
-  if (contained != Contained::none) lists_.parts_within.push_back({part, contained});
+  lists_.parts_within.push_back({part, contained});
+}
+
+/// Of a mover and a part whose surfaces do not touch: which lies within the other; a is the mover.
+Contained Decisions::look_within_part_at(const Placed& a, const StaticScene& scene, std::uint32_t part,
+                                         ContactSearch& touch) {
+  Placed other = placed(slot_of(scene.part_objects[part]));
+  if (other.info->rare->solid && look_in(other, a, lists_.pieces.of(*a.info), true, touch)) return Contained::a_in_b;
+  if (touch.yes || !a.info->rare->solid) return Contained::none;
+  const PiecePoints::PartPoints& pieces = lists_.pieces.of(scene, part);
+  other.bounds = pieces.bounds;
+  return look_in(a, other, pieces.points, false, touch) ? Contained::b_in_a : Contained::none;
 }
 
 /// Of a contact on common time that goes on: when one of the two came to lie within the other, which is when their
@@ -91,7 +102,7 @@ void Decisions::set_change_of_containment(const PairPiece& piece, FoundContact& 
 /// When one that lay within the other no longer did: when their surfaces first met.
 ContactEnd Decisions::emerging(const PairPiece& piece) {
   const SweptContact first = sweep_piece(piece);
-  const PieceBracket met = in_seconds(piece, first.yes ? first.bracket : TimeBracket{0, 1}, first.contact.normal);
+  const PieceBracket met = in_seconds(piece, first.yes ? first.bracket : TimeBracket{0, 1}, first.contact);
   return {.reason = EndReason::separated, .bracket_low_s = met.low_s, .bracket_high_s = met.high_s};
 }
 

@@ -379,8 +379,9 @@ std::chrono::nanoseconds Watch::tells_since() const { return fake::server().tell
 
 namespace {
 
-std::size_t new_publisher(const std::string& name, bool is_sharded) {
+std::size_t new_publisher(const std::string& name, const PublishOptions& options, bool is_sharded) {
   fake::Published& published = fake::server().publishers.emplace_back();
+  published.options = options;
   published.publisher = name;
   published.is_sharded = is_sharded;
   return fake::server().publishers.size() - 1;
@@ -410,6 +411,11 @@ std::uint64_t flush_batch(std::size_t publisher, std::chrono::nanoseconds source
   return std::uint64_t{published.batches.size()};
 }
 
+Result<void> sign_of_life(std::chrono::nanoseconds source_time) {
+  if (fake::server().on_keep_alive) fake::server().on_keep_alive(source_time);
+  return {};
+}
+
 Result<void> left_out() {
   const std::optional<Error>& error = fake::server().left_out;
   return error ? Result<void>(*error) : Result<void>();
@@ -417,8 +423,8 @@ Result<void> left_out() {
 
 }  // namespace
 
-Result<Publisher> Client::publish(const std::string& publisher_name, const PublishOptions&) {
-  return Publisher(std::make_unique<Publisher::State>(Publisher::State{new_publisher(publisher_name, false)}));
+Result<Publisher> Client::publish(const std::string& publisher_name, const PublishOptions& options) {
+  return Publisher(std::make_unique<Publisher::State>(Publisher::State{new_publisher(publisher_name, options, false)}));
 }
 Publisher::Publisher(std::unique_ptr<State> state) : state_(std::move(state)) {}
 Publisher::~Publisher() = default;
@@ -437,12 +443,13 @@ Result<void> Publisher::reshape(Object object, const Shape& shape) {
   return {};
 }
 Result<void> Publisher::move(Object object, const Pose& pose, bool) { return move_object(state_->index, object, pose); }
-Result<std::uint64_t> Publisher::flush(std::chrono::nanoseconds source_time) {
-  return flush_batch(state_->index, source_time);
+Result<FlushReport> Publisher::flush(std::chrono::nanoseconds source_time) {
+  return FlushReport{.sequence = flush_batch(state_->index, source_time), .lost = fake::server().lost};
 }
 void Publisher::stream() { fake::server().publishers[state_->index].is_streamed = true; }
-Result<void> Publisher::keep_alive() { return {}; }
+Result<void> Publisher::keep_alive(std::chrono::nanoseconds source_time) { return sign_of_life(source_time); }
 Result<void> Publisher::wait_applied(std::chrono::nanoseconds) { return left_out(); }
+Result<PublisherReport> Publisher::report(std::chrono::nanoseconds) { return fake::server().report; }
 
 namespace client {
 class ShardedPublishing {
@@ -452,9 +459,9 @@ class ShardedPublishing {
 class ShardedWatching {};
 }  // namespace client
 
-Result<ShardedPublisher> ShardedClient::publish(const std::string& publisher_name, const PublishOptions&) {
-  return ShardedPublisher(
-      std::make_unique<client::ShardedPublishing>(client::ShardedPublishing{new_publisher(publisher_name, true)}));
+Result<ShardedPublisher> ShardedClient::publish(const std::string& publisher_name, const PublishOptions& options) {
+  return ShardedPublisher(std::make_unique<client::ShardedPublishing>(
+      client::ShardedPublishing{new_publisher(publisher_name, options, true)}));
 }
 ShardedPublisher::ShardedPublisher(std::unique_ptr<client::ShardedPublishing> state) : state_(std::move(state)) {}
 ShardedPublisher::~ShardedPublisher() = default;
@@ -466,12 +473,12 @@ Result<ShardedPublisher::Object> ShardedPublisher::add(const ObjectOptions& opti
 Result<void> ShardedPublisher::move(Object object, const Pose& pose, bool) {
   return move_object(state_->index, object, pose);
 }
-Result<void> ShardedPublisher::flush(std::chrono::nanoseconds source_time) {
-  flush_batch(state_->index, source_time);
-  return {};
+Result<FlushReport> ShardedPublisher::flush(std::chrono::nanoseconds source_time) {
+  return FlushReport{.sequence = flush_batch(state_->index, source_time), .lost = fake::server().lost};
 }
-Result<void> ShardedPublisher::keep_alive() { return {}; }
+Result<void> ShardedPublisher::keep_alive(std::chrono::nanoseconds source_time) { return sign_of_life(source_time); }
 Result<void> ShardedPublisher::wait_applied(std::chrono::nanoseconds) { return left_out(); }
+Result<PublisherReport> ShardedPublisher::report(std::chrono::nanoseconds) { return fake::server().report; }
 
 Result<ShardedWatch> ShardedClient::watch(const WatchOptions& options) {
   fake::server().watched_with = options;

@@ -21,6 +21,7 @@ namespace collided::fake {
 
 struct Published {
   std::string publisher;
+  PublishOptions options = {};
   std::map<std::uint32_t, ObjectOptions> objects;      // by handle; removed ones are gone
   std::vector<std::map<std::uint32_t, Pose>> batches;  // one a flush
   std::map<std::uint32_t, Pose> pending;
@@ -63,9 +64,12 @@ struct Server {
   std::deque<NearestEvent> nearest_events;
   NearestWatchOptions nearest_watched_with;
   /// Called on every flush, so that a test can send events back.
+  std::string lost;                                             // what each flush reports of a loss
+  std::function<void(std::chrono::nanoseconds)> on_keep_alive;  // with the time that was given
   std::function<void(Published&)> on_flush;
   std::function<std::optional<Error>()> on_move;  // what stands in its way
   std::optional<Error> left_out;                  // what waiting for a publisher's samples says
+  PublisherReport report;                         // of every publisher
   std::optional<Error> ask_error;
 
   std::string recorded_to;

@@ -51,7 +51,7 @@ TEST(ExtremeGridCellBorder, OneStepBesideTheBorderParts) {
 TEST(ExtremeGridCellBorder, CornersOnTheGridsOwnBordersAreFoundFromBothSides) {
   grid::Levels levels;
   grid::RebuildScratch scratch;
-  levels.rebuild(std::vector<Aabb>(100, extreme::cube({0, 0, 0}, 1)), scratch);
+  levels.rebuild(std::vector<Aabb>(100, extreme::cube({0, 0, 0}, 1)), false, scratch);
   const double cell_m = levels.levels.at(0).cell_m[0];
   std::vector<Aabb> boxes;
   for (int i = 0; i < 7 * 7 * 27; ++i) {

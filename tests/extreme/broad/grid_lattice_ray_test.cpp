@@ -47,7 +47,7 @@ TEST(ExtremeGridLatticeRay, WithinAPlaneOfCellBorders) {
 TEST(ExtremeGridLatticeRay, ThroughTheCornersOfTheGridsOwnCells) {
   grid::Levels levels;
   grid::RebuildScratch scratch;
-  levels.rebuild(lattice({0, 0, 0}), scratch);
+  levels.rebuild(lattice({0, 0, 0}), false, scratch);
   const double cell_m = levels.levels.at(0).cell_m[0];
   for (const double first : {0.0, -4.0, -8.0}) {
     std::vector<Aabb> boxes;

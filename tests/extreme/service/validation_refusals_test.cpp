@@ -43,6 +43,11 @@ const Malformed kMalformed[] = {
     {"a quaternion of NaN", QuestionKind::box, {0, 0, 0, 1, 1, 1, kNaN, 0, 0, 0}},
     {"a quaternion that overflows", QuestionKind::box, {0, 0, 0, 1, 1, 1, 1e200, 0, 0, 0}},
     {"NaN in the box's centre", QuestionKind::box, {kNaN, 0, 0, 1, 1, 1, 1, 0, 0, 0}},
+    {"an origin beyond the limit", QuestionKind::ray, {0, 0, 1.1e290, 1, 0, 0, 1}},
+    {"a direction beyond the limit", QuestionKind::ray, {0, 0, 0, -1.1e290, 0, 0, kInfinite}},
+    {"a radius beyond the limit", QuestionKind::sphere, {0, 0, 0, 1.1e290}},
+    {"a half size beyond the limit", QuestionKind::box, {0, 0, 0, 1, 1, 1e300, 1, 0, 0, 0}},
+    {"a point beyond the limit", QuestionKind::near, {-1e308, 0, 0, kInfinite}},
     {"NaN in the asked point", QuestionKind::near, {0, kNaN, 0, 1}},
     {"a reach below zero", QuestionKind::near, {0, 0, 0, -1}},
     {"a reach of NaN", QuestionKind::near, {0, 0, 0, kNaN}},
@@ -79,6 +84,7 @@ TEST(ExtremeBorderRefusals, PosesWithTheirReasons) {
   expect_pose_refused({0, kNaN, 0, 1, 0, 0, 0}, "a pose with nan");
   expect_pose_refused({kInfinite, 0, 0, 1, 0, 0, 0}, "a pose with inf");
   expect_pose_refused({0, 0, 0, 1, 0, 0, -kInfinite}, "a pose with -inf");
+  expect_pose_refused({0, -2e290, 0, 1, 0, 0, 0}, "a pose with -2e+290, allowed are numbers up to 1e290");
   expect_pose_refused({0, 0, 0, 0, 0, 0, 0}, "quaternion norm 0, allowed 1 +- 1e-06");
   expect_pose_refused({0, 0, 0, 0.87, 0, 0, 0}, "quaternion norm 0.87, allowed 1 +- 1e-06");
   expect_pose_refused({0, 0, 0, 1.000002, 0, 0, 0}, "quaternion norm 1.000002, allowed 1 +- 1e-06");

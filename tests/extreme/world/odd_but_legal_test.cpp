@@ -2,17 +2,18 @@
 // of zero, the greatest coordinates.
 #include <gtest/gtest.h>
 
+#include "idl/question_rules.hpp"
 #include "tests/extreme/mixed.hpp"
 
 namespace collided::engine::odd_but_legal_test {
 namespace {
 
-constexpr double kGreatest = std::numeric_limits<double>::max();
+constexpr double kGreatest = wire_contract::kMostCoordinate;
 constexpr double kTiniest = std::numeric_limits<double>::denorm_min();
 
 /// Numbers that a careful border accepts and careless arithmetic does not.
 constexpr double kOdd[] = {0.0,        -0.0,  kTiniest, -kTiniest, 0x1p-1022, 1,         -1,
-                           0x1p53 + 2, 1e150, -1e150,   1e300,     kGreatest, -kGreatest};
+                           0x1p53 + 2, 1e150, -1e150,   1e289,     kGreatest, -kGreatest};
 
 void fill(extreme::Stage& stage) {
   stage.ball("ball", {0, 0, 0}, 1);

@@ -10,8 +10,6 @@ using namespace engine;
 namespace {
 
 constexpr std::int64_t kLongNs = CrossingRound::kLongNs;
-// Of a streamed object: poses farther apart mean that it rested until so long before the later one.
-constexpr std::int64_t kGapNs = 250'000'000;
 // A flush for each body: what more would measure is how many samples a network carries.
 constexpr double kMostStreamedHz = 20;
 constexpr double kLane_m = 400;
@@ -118,8 +116,8 @@ class RoundMaker {
       if (round_.bodies[i].publisher != publisher) continue;
       auto& instants = round_.bodies[i].moving.instants;
       for (const std::int64_t stamp_ns : stamps(round_.publishers[publisher].rate_hz)) {
-        if (!instants.empty() && stamp_ns - instants.back().time_ns > kGapNs) {
-          instants.push_back({stamp_ns - kGapNs, instants.back().position});
+        if (!instants.empty() && stamp_ns - instants.back().time_ns > kStreamedGapNs) {
+          instants.push_back({stamp_ns - kStreamedGapNs, instants.back().position});
         }
         instants.push_back({stamp_ns, motions_[i].at(stamp_ns)});
         by_time[stamp_ns].poses.emplace_back(i, instants.back().position);

@@ -24,6 +24,9 @@ struct CrossingFlush {
   std::vector<std::pair<std::size_t, Vec3>> poses;
 };
 
+/// The gap of a publisher that streams; the others have the default, which is longer than their periods.
+inline constexpr std::int64_t kStreamedGapNs = 250'000'000;
+
 struct CrossingPublisher {
   bool streamed = false;
   double rate_hz = 0;

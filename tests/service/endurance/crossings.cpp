@@ -63,7 +63,10 @@ class CrossingProcess {
         folder_(words[4]),
         client_(value_of(Client::connect({.domain = std::atoi(words[3]), .interface = "collided1", .wait = 20s}),
                          "connect")),
-        publisher_(value_of(client_.publish("publisher " + std::to_string(number_)), "publish")) {}
+        publisher_(value_of(client_.publish("publisher " + std::to_string(number_),
+                                            {.gap = round_.publishers[number_].streamed ? nanoseconds(kStreamedGapNs)
+                                                                                        : PublishOptions{}.gap}),
+                            "publish")) {}
 
   void run() {
     if (round_.publishers[number_].streamed) publisher_.stream();

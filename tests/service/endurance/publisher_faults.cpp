@@ -106,8 +106,8 @@ class PublisherFaults {
   PublisherFaults(std::string self, const std::string& server)
       : self_(std::move(self)),
         domain_(own_domain()),
-        server_({server, "--domain", std::to_string(domain_), "--state-dir", folder_.path()}, folder_.path(),
-                "server") {
+        server_({server, "--domain", std::to_string(domain_), "--state-dir", folder_.path(), "--forget-after", "0"},
+                folder_.path(), "server") {
     if (!server_.says("ready:", 20s)) std::exit(2);
     client_.emplace(value_of(Client::connect({.domain = domain_, .wait = 10s}), "connect"));
     watch_.emplace(value_of(client_->watch({}, [this](const Event& event) { reported_.hear(event); }), "watch"));

@@ -437,12 +437,16 @@ TEST_F(ClientAsk, WrongQuestionsAreNamedAndNothingIsSent) {
   EXPECT_EQ(message(RayQuestion{{0, kNan, 0}, {0, 0, 1}}), "ray: origin 0 nan 0 is not finite");
   EXPECT_EQ(message(RayQuestion{{0, 0, 0}, {0, 0, 1}, -2}), "ray: length -2: allowed 0 to inf");
   EXPECT_EQ(message(RayQuestion{{0, 0, 0}, {0, 0, 1}, kNan}), "ray: length nan: allowed 0 to inf");
-  EXPECT_EQ(message(SphereQuestion{{0, 0, 0}, -0.5}), "sphere: radius -0.5: allowed 0 or more, and finite");
-  EXPECT_EQ(message(SphereQuestion{{0, 0, 0}, kInf}), "sphere: radius inf: allowed 0 or more, and finite");
-  EXPECT_EQ(message(BoxQuestion{{0, 0, 0}, {1, -1, 1}}), "box: half size 1 -1 1: allowed 0 or more, and finite");
+  EXPECT_EQ(message(SphereQuestion{{0, 0, 0}, -0.5}), "sphere: radius -0.5: allowed 0 to 1e290");
+  EXPECT_EQ(message(SphereQuestion{{0, 0, 0}, kInf}), "sphere: radius inf: allowed 0 to 1e290");
+  EXPECT_EQ(message(BoxQuestion{{0, 0, 0}, {1, -1, 1}}), "box: half size 1 -1 1: allowed 0 to 1e290");
   EXPECT_EQ(message(BoxQuestion{{0, 0, 0}, {1, 1, 1}, Quat(0.5, 0, 0, 0)}),
             "box: rotation 0.5 0 0 0 has norm 0.5, allowed 1 +- 1e-06");
   EXPECT_EQ(message(NearQuestion{{kInf, 0, 0}}), "near: point inf 0 0 is not finite");
+  EXPECT_EQ(message(NearQuestion{{0, 2e290, 0}}), "near: point 0 2e+290 0: allowed are numbers up to 1e290");
+  EXPECT_EQ(message(RayQuestion{{0, 0, 0}, {0, 0, -1e300}}),
+            "ray: direction 0 0 -1e+300: allowed are numbers up to 1e290");
+  EXPECT_EQ(message(SphereQuestion{{0, 0, 0}, 1e291}), "sphere: radius 1e+291: allowed 0 to 1e290");
 
   std::vector<RayQuestion> rays(2'000, ray_from(1));
   rays[1'812].direction.z() = kNan;

@@ -91,12 +91,14 @@ class FakeServer {
   };
   struct Received {
     std::vector<Batch> batches;
+    std::size_t writers_at_first = 0;            // of poses, that were matched when the first batch came
     std::vector<std::uint64_t> sequences;        // of definitions and batches as they came
     std::map<std::uint32_t, std::string> names;  // of objects that are not removed
     std::vector<std::size_t> batch_sizes;
     std::vector<std::uint64_t> definitions_through;
     std::map<std::uint32_t, Pose> poses;
     std::size_t definition_count = 0;
+    std::vector<double> gaps_s;  // that publishers gave
     std::size_t largest_shape = 0;
   };
   Received received() {
@@ -149,6 +151,7 @@ class FakeServer {
       received_.definitions_through.push_back(batch->definitions_through);
       const auto numbers = dds::view(batch->object_numbers);
       const std::vector<double> poses = poses_of(*batch);
+      if (received_.batches.empty()) received_.writers_at_first = pose_reader_.matched_writers();
       received_.batches.push_back({batch->sequence_number,
                                    batch->definitions_through,
                                    batch->source_time_ns,
@@ -171,6 +174,10 @@ class FakeServer {
       note_sequence(definition->publisher, definition->sequence_number);
       ++received_.definition_count;
       received_.largest_shape = std::max<std::size_t>(received_.largest_shape, definition->shape._length);
+      if (definition->object_number == wire_contract::kPublisherItself) {
+        received_.gaps_s.push_back(definition->position[0]);
+        continue;
+      }
       received_.names.erase(definition->object_number);
       if (!definition->removed) {
         received_.names[definition->object_number] = definition->name;

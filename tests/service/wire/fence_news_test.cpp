@@ -1,5 +1,6 @@
 // What the events of fences' topics say, by what each fence is to tell.
 #include "client/library/watching/fences.hpp"
+#include "client/library/watching/margin_news.hpp"
 
 #include <gtest/gtest.h>
 
@@ -63,6 +64,29 @@ TEST(FenceNews, APassageHasBothBrackets) {
   EXPECT_EQ(told[0].left_low_s, 0.08);
   EXPECT_EQ(told[0].left_high_s, 0.07);
   EXPECT_EQ(told[0].reason, EndReason::none);
+}
+
+TEST(FenceNews, WhatIsOfMergedPosesIsMarked) {
+  client::FenceNews news;
+  Event came = event_of(EventKind::began, kTellsEnter | kTellsExit, 1);
+  came.poses_merged = true;
+  const std::vector<FenceEvent> entered = news.take(came);
+  ASSERT_EQ(entered.size(), 1u);
+  EXPECT_TRUE(entered[0].poses_merged);
+  EXPECT_FALSE(news.take(event_of(EventKind::ended, kTellsExit, 2, EndReason::separated)).at(0).poses_merged);
+  // Of a passage one half is enough.
+  Event left = event_of(EventKind::ended, kTellsCross, 4, EndReason::crossed);
+  left.poses_merged = true;
+  EXPECT_TRUE(news.take(event_of(EventKind::began, kTellsCross, 3, EndReason::crossed)).empty());
+  EXPECT_TRUE(news.take(left).at(0).poses_merged);
+}
+
+TEST(FenceNews, WhatIsOfMergedPosesIsMarkedInMarginsToo) {
+  Event near = event_of(EventKind::began, 0, 1);
+  near.b = "gap\nperson\n0\n2.5";
+  EXPECT_FALSE(client::margin_news(near, {})->poses_merged);
+  near.poses_merged = true;
+  EXPECT_TRUE(client::margin_news(near, {})->poses_merged);
 }
 
 TEST(FenceNews, OnlyWhatTheFenceTellsIsReported) {

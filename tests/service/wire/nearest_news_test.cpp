@@ -44,6 +44,17 @@ TEST(NearestNews, AnEndAndABeginningAreOneChange) {
   EXPECT_EQ(news.take(event_of(EventKind::began, "door_c", 3))->from, "");
 }
 
+TEST(NearestNews, AChangeOfMergedPosesOfEitherIsMarked) {
+  client::NearestNews news;
+  EXPECT_FALSE(news.take(event_of(EventKind::open, "door_a", 1))->poses_merged);
+  Event ended = event_of(EventKind::ended, "door_a", 1, wire_contract::kNearestGoesOn);
+  ended.poses_merged = true;
+  EXPECT_FALSE(news.take(ended));
+  EXPECT_TRUE(news.take(event_of(EventKind::began, "door_b", 2))->poses_merged);
+  EXPECT_FALSE(news.take(event_of(EventKind::ended, "door_b", 2, wire_contract::kNearestGoesOn)));
+  EXPECT_FALSE(news.take(event_of(EventKind::began, "door_c", 3))->poses_merged);
+}
+
 // After a gap the state is told in any order.
 TEST(NearestNews, AnEndThatComesAfterItsSuccessorIsNoNews) {
   client::NearestNews news;

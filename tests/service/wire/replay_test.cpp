@@ -3,8 +3,10 @@
 #include <unistd.h>
 
 #include <filesystem>
+#include <limits>
 
 #include "client/library/recordings/recorded_run.hpp"
+#include "client/library/recordings/replay_times.hpp"
 #include "collided/recording.hpp"
 #include "idl/cdr.hpp"
 #include "idl/mcap/writer.hpp"
@@ -117,9 +119,9 @@ class ClientReplay : public testing::Test {
   }
 
   void pose(std::uint64_t log_time, std::uint64_t sequence, double from, std::uint8_t flags,
-            std::int64_t source_time_ns) {
+            std::int64_t source_time_ns, std::uint64_t publisher = kPublisher) {
     dds::Sample<wire::PoseBatch> batch;
-    batch->publisher = kPublisher;
+    batch->publisher = publisher;
     batch->incarnation = 5;
     batch->sequence_number = sequence;
     batch->definitions_through = 2;
@@ -139,9 +141,10 @@ class ClientReplay : public testing::Test {
     // What was there before is not waited for.
     define(kBegin_ns - 7'200 * kSecond_ns, 8, 1, "eight");
     define(kBegin_ns - 3'600 * kSecond_ns, 9, 2, "nine");
+    // Stamped by a clock that counts from the machine's start.
     pose(kBegin_ns, 3, 1'000, 0, 111);
-    pose(kBegin_ns + 40 * kMillisecond_ns, 4, 2'000, wire_contract::kTeleported, 222);
-    pose(kBegin_ns + 100 * kMillisecond_ns, 5, 3'000, 0, 333);
+    pose(kBegin_ns + 40 * kMillisecond_ns, 4, 2'000, wire_contract::kTeleported, 40'000'111);
+    pose(kBegin_ns + 100 * kMillisecond_ns, 5, 3'000, 0, 100'000'111);
     const std::string path = file_.close(2);
     FakeServer server(test::own_namespace());
     const ConnectOptions here{.domain = test::own_domain(), .name_space = test::own_namespace(), .wait = 5s};
@@ -256,6 +259,94 @@ TEST_F(ClientReplay, AtItsEndItRemovesWhatIsStillThereOnce) {
   }));
   EXPECT_EQ(received.sequences.back(), 4u) << "the removal of nine, and none of eight before it";
   EXPECT_TRUE(received.names.empty());
+}
+
+// Becoming a publisher takes milliseconds: the last of many would come so late that a server dates it by itself.
+TEST_F(ClientReplay, ManyPublishersThatBeginTogetherAreThereBefore) {
+  constexpr std::uint64_t kPublishers = 40;
+  state(kBegin_ns, 10, 0);
+  for (std::uint64_t i = 0; i < kPublishers; ++i) {
+    const std::uint64_t at_ns = kBegin_ns + kSecond_ns + i * kMillisecond_ns;
+    pose(at_ns, 3, 1'000, 0, static_cast<std::int64_t>(at_ns), 100 + i);
+  }
+  const std::string path = file_.close(0);
+  FakeServer server(test::own_namespace());
+  const Result<ReplayReport> report = replay(here(), {.path = path});
+  ASSERT_TRUE(report) << report.error().message;
+  EXPECT_EQ(report->samples, kPublishers);
+  EXPECT_EQ(server.received().writers_at_first, kPublishers);
+}
+
+/// A recording of one publisher, ten batches a second for ten seconds, of which each is recorded at written_at(its time).
+class ReplayedTimes : public testing::Test {
+ protected:
+  static constexpr std::int64_t kFirst_ns = 1'700'000'000'000'000'000;
+  static constexpr std::int64_t kTransit_ns = 200'000;
+
+  template <class WrittenAt>
+  client::RecordedRun recorded(const WrittenAt& written_at, std::int64_t clock_ns = 0) {
+    client::RecordedRun run;
+    for (std::int64_t i = 0; i < 100; ++i) {
+      const std::int64_t at_ns = kFirst_ns + i * 100'000'000;
+      run.items.push_back({.topic = Recorded::pose,
+                           .log_time = static_cast<std::uint64_t>(written_at(at_ns + kTransit_ns)),
+                           .data = {}});
+      run.origins.push_back({.publisher = 7, .incarnation = 1, .stamp_ns = at_ns + clock_ns});
+    }
+    return run;
+  }
+  static std::int64_t pause(std::int64_t at_ns) {
+    const bool is_within = at_ns > kFirst_ns + 3'000'000'000 && at_ns < kFirst_ns + 4'200'000'000;
+    return is_within ? kFirst_ns + 4'200'000'000 + (at_ns - kFirst_ns) / 1'000'000 : at_ns;
+  }
+};
+
+TEST_F(ReplayedTimes, AreThoseOfTheStampsWhereARecorderPaused) {
+  client::RecordedRun run = recorded(pause);
+  // A definition from amid the pause stays before the batch that follows it.
+  run.items.insert(run.items.begin() + 35, {.topic = Recorded::object, .log_time = run.items[35].log_time, .data = {}});
+  run.origins.insert(run.origins.begin() + 35, {.publisher = 7, .incarnation = 1});
+  const client::ReplayTimes times = client::replay_times(run);
+  EXPECT_EQ(times.undated_publishers, 0U);
+  for (std::size_t i = 0; i < run.items.size(); ++i) {
+    EXPECT_EQ(times.order[i], i);
+    if (run.origins[i].stamp_ns == 0) continue;
+    EXPECT_EQ(times.of[i].source_ns, run.origins[i].stamp_ns);
+    EXPECT_EQ(times.of[i].due_ns, run.origins[i].stamp_ns + kTransit_ns);
+  }
+}
+
+TEST_F(ReplayedTimes, AreThoseOfAClockThatIsFarOffToo) {
+  constexpr std::int64_t kClock_ns = -1'600'000'000'000'000'000;
+  const client::RecordedRun run = recorded(pause, kClock_ns);
+  const client::ReplayTimes times = client::replay_times(run);
+  EXPECT_EQ(times.undated_publishers, 0U);
+  for (std::size_t i = 0; i < run.items.size(); ++i)
+    EXPECT_EQ(times.of[i].source_ns, run.origins[i].stamp_ns - kClock_ns + kTransit_ns);
+}
+
+TEST_F(ReplayedTimes, OfAClockThatWasSetAreToldToBeUncertain) {
+  client::RecordedRun run = recorded([](std::int64_t at_ns) { return at_ns; });
+  for (std::size_t i = 0; i < 60; ++i) run.origins[i].stamp_ns -= 5'000'000'000;
+  const client::ReplayTimes times = client::replay_times(run);
+  EXPECT_EQ(times.undated_publishers, 1U);
+  for (std::size_t i = 0; i < run.items.size(); ++i)
+    EXPECT_NEAR(static_cast<double>(times.of[i].source_ns - static_cast<std::int64_t>(run.items[i].log_time)), 0, 3e5);
+}
+
+// Whatever a file says, sums of times do not overflow.
+TEST_F(ReplayedTimes, OfAForgedFileAreTimes) {
+  client::RecordedRun run = recorded([](std::int64_t at_ns) { return at_ns; });
+  constexpr std::int64_t kMost = std::numeric_limits<std::int64_t>::max();
+  run.items[3].log_time = std::numeric_limits<std::uint64_t>::max();
+  run.origins[4].stamp_ns = kMost;
+  run.origins[5].stamp_ns = std::numeric_limits<std::int64_t>::min();
+  run.origins[6].stamp_ns = 1;
+  const client::ReplayTimes times = client::replay_times(run);
+  for (const client::ReplayTime& time : times.of) {
+    EXPECT_GE(time.due_ns, 0);
+    EXPECT_LT(time.due_ns, kMost / 2);
+  }
 }
 
 TEST(ClientReplayRate, MustBeAboveZeroAndNotBeyondSense) {

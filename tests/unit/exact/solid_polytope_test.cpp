@@ -65,7 +65,7 @@ PolytopeSide true_side(const oracle::TreeAndTruth& solid, const TriangleMesh& po
 }
 
 /// Facing outward; nothing where the four lie in one plane.
-std::optional<TriangleMesh> tetrahedron(const std::array<Vec3, 4>& corners) {
+std::optional<TriangleMesh> tetrahedron_mesh(const std::array<Vec3, 4>& corners) {
   TriangleMesh mesh;
   mesh.vertices.assign(corners.begin(), corners.end());
   const int turn = sgn(oracle::height({corners[0], corners[1], corners[2]}, oracle::rational(corners[3])));
@@ -95,7 +95,7 @@ TEST(ExactSolidPolytope, KnowsBoxesAboutABox) {
 
 // No face of the body meets the surface, and no corner of the surface lies within the body.
 TEST(ExactSolidPolytope, CrossesWhatHasItsCornersInTheFaces) {
-  const auto inner = tetrahedron({Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)});
+  const auto inner = tetrahedron_mesh({Vec3(1, 1, 1), Vec3(1, -1, -1), Vec3(-1, 1, -1), Vec3(-1, -1, 1)});
   const oracle::TreeAndTruth solid(*inner);
   EXPECT_EQ(polytope_side(*solid.tree, scenes::box({1, 1, 1})), PolytopeSide::crosses);
 }
@@ -137,7 +137,7 @@ TEST(ExactSolidPolytope, SidesAreThoseOfRationals) {
       switch (random() % 4) {
         case 0: polytope = scenes::box(point().cwiseAbs() / 2 + Vec3::Constant(reach / 64), point()); break;
         case 1: polytope = scenes::icosphere(0, reach * (1 + any(random)) / 4 + reach / 1024, point()); break;
-        default: polytope = tetrahedron({point(), point(), point(), point()});
+        default: polytope = tetrahedron_mesh({point(), point(), point(), point()});
       }
       if (!polytope) continue;
       const PolytopeSide told = polytope_side(*solid.tree, *polytope);

@@ -17,18 +17,6 @@ namespace {
 
 using namespace oracle;
 
-Primitive any_solid(RandomShapes& shapes, int kind) {
-  switch (kind) {
-    case 0: return shapes.sphere();
-    case 1: return shapes.box();
-    case 2: return shapes.capsule();
-    case 3: return shapes.hull();
-    case 4: return shapes.cylinder();
-    case 5: return shapes.cone();
-    default: return shapes.ellipsoid();
-  }
-}
-
 Vec3 random_direction(std::mt19937_64& generator) {
   std::normal_distribution<double> any;
   return Vec3(any(generator), any(generator), any(generator)).normalized();
@@ -95,7 +83,7 @@ TEST(ExactStraightSweeps, AnEndAtAGapOfAHairIsDecidedToTheLastDigit) {
   for (const Family family : {Family::random, Family::lattice, Family::tenths}) {
     RandomShapes shapes(generator, family);
     for (int i = 0; i < 140; ++i) {
-      const Primitive own = any_solid(shapes, i % 7);
+      const Primitive own = shapes.solid(i % 7);
       const Vec3 n = i % 3 == 0 ? Vec3(Vec3::Unit(i % 2)) : random_direction(generator);
       const Vec3 to = shapes.point();
       const Primitive at_end = place(Frame{Mat3::Identity(), to}, own);
@@ -121,7 +109,7 @@ TEST(ExactStraightSweeps, AHalfSpaceIsComeToOrNot) {
   RandomShapes shapes(generator, Family::random);
   int reached = 0;
   for (int i = 0; i < 700; ++i) {
-    const Primitive own = any_solid(shapes, i % 7);
+    const Primitive own = shapes.solid(i % 7);
     const Vec3 n = random_direction(generator);
     const Vec3 to = shapes.point();
     const Vec3 from = to + 3 * n + 0.7 * random_direction(generator);
@@ -151,7 +139,7 @@ TEST(ExactStraightSweeps, ABallThatStopsBesideARoundSolidTouchesItThereOrNowhere
   for (const Family family : {Family::random, Family::lattice}) {
     RandomShapes shapes(generator, family);
     for (int i = 0; i < 300; ++i) {
-      const Primitive solid = any_solid(shapes, 4 + i % 3);
+      const Primitive solid = shapes.solid(4 + i % 3);
       const Vec3 n = i % 2 == 0 ? random_direction(generator) : Vec3(Vec3::Unit(i % 3));
       for (const double gap_m : {0.0, 4.5e-16, 1e-15, 1e-14, 1e-13, 1e-12, -1e-14}) {
         // A cylinder without radius is a polytope; the others have one.

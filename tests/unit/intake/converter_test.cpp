@@ -193,7 +193,25 @@ TEST_F(IntakeConverted, LimitsAndComplaintsReachTheUser) {
             "AC14-FZK-Haus.ifc: more than 1000 triangles. Nothing was loaded.");
   EXPECT_EQ(said("IFC/AC14-FZK-Haus.ifc", {.max_file_bytes = 1000}),
             "AC14-FZK-Haus.ifc: 4065749 bytes, limit 1000. Nothing was loaded.");
-  EXPECT_NE(said("invalid/emptyIrrMesh.xml", {}).find("it is no readable .xml file (Assimp says: "), std::string::npos);
+  EXPECT_NE(said("invalid/emptyIrrMesh.xml", {}).find("it is not a readable .xml file (Assimp: "), std::string::npos);
+}
+
+// Assimp reads IFC2x3 alone; on IFC4 it complains of a type or is ended by a signal.
+TEST_F(IntakeConverted, AnIfcFileOfAnotherSchemaIsRefusedByItsName) {
+  for (const char* schema : {"IFC4", "IFC4X3_ADD2"}) {
+    const fs::path file = directory_ / "house.ifc";
+    std::ofstream(file)
+        << "ISO-10303-21;\nHEADER;\nFILE_DESCRIPTION((''),'2;1');\nFILE_NAME('','',(''),(''),'','','');\n"
+        << "FILE_SCHEMA(('" << schema << "'));\nENDSEC;\nDATA;\n"
+        << "#1=IFCPROJECT('0YvctVUKr0kugbFTf53O9L',$,'p',$,$,$,$,$,$);\nENDSEC;\nEND-ISO-10303-21;\n";
+    LoadReport report;
+    std::string said = "loaded";
+    try {
+      load_scene(file.string(), {}, report);
+    } catch (const LoadError& error) { said = error.what(); }
+    EXPECT_EQ(said, std::string("house.ifc: its schema is '") + schema +
+                        "', which is not read yet; IFC2x3 is. Export it as IFC2x3. Nothing was loaded.");
+  }
 }
 
 class IntakeForeign : public IntakeConverter {

@@ -72,6 +72,7 @@ void expect_same(const Scene& a, const Scene& b) {
     EXPECT_EQ(a.objects[i].pose.rotation.coeffs(), b.objects[i].pose.rotation.coeffs());
     expect_same(a.objects[i].filter, b.objects[i].filter);
   }
+  ASSERT_EQ(a.allowed_pairs == nullptr, b.allowed_pairs == nullptr);
 }
 
 /// A scene with one of everything, and numbers that do not survive a decimal detour or single precision.
@@ -142,6 +143,55 @@ TEST_F(IntakeSceneFile, TheOrderOfCollapsesComesBackAndOneThatCannotBeTakenIsRef
   scene.collapses[1] = {0, 1};
   EXPECT_NE(save_complaint(scene).find("collapse 1: vertex 0 is gone already"), std::string::npos)
       << save_complaint(scene);
+}
+
+TEST_F(IntakeSceneFile, AllowedPairsComeBackByTheObjectsThatAreThere) {
+  Scene scene = embedded_scene();
+  for (std::uint32_t i = 0; i < scene.objects.size(); ++i) scene.objects[i].number = 100 + i;
+  scene.allowed_pairs = std::make_shared<const AllowedPairs>(std::vector<NumberPair>{{105, 102}, {100, 104}, {7, 101}});
+  const auto loaded_pairs = [&] {
+    save_scene(path_, scene);
+    LoadReport report;
+    return load_scene(path_, {}, report).allowed_pairs;
+  };
+  EXPECT_EQ(loaded_pairs()->pairs(), (std::vector<NumberPair>{{0, 4}, {2, 5}})) << "no object has the number 7";
+  EXPECT_FALSE(loaded_pairs()->is_every_pair());
+  scene.allowed_pairs = std::make_shared<const AllowedPairs>();
+  EXPECT_TRUE(loaded_pairs()->is_every_pair());
+  scene.allowed_pairs = std::make_shared<const AllowedPairs>(std::vector<NumberPair>{});
+  EXPECT_TRUE(loaded_pairs()->pairs().empty());
+}
+
+// A program that does not know of allowed pairs would find contacts at every joint.
+TEST_F(IntakeSceneFile, AllowedPairsRaiseTheFormat) {
+  Scene scene = embedded_scene();
+  const auto format = [&] {
+    const std::string bytes = bytes_of(scene);
+    return format::GetScene(bytes.data())->format();
+  };
+  EXPECT_EQ(format(), 2u);
+  scene.allowed_pairs = std::make_shared<const AllowedPairs>();
+  EXPECT_EQ(format(), 3u);
+}
+
+TEST_F(IntakeSceneFile, AllowedPairsOfObjectsThatAreNotThereAreRefused) {
+  for (const auto& [numbers, flaw] :
+       {std::pair(std::vector<std::uint32_t>{0, 1}, "allowed pair 0 has object 1, allowed are those before 1"),
+        std::pair(std::vector<std::uint32_t>{0, 0, 0}, "3 numbers of allowed pairs, allowed are twos")}) {
+    flatbuffers::FlatBufferBuilder builder;
+    const auto center = format::Sphere({0, 0, 0}, 1);
+    const std::vector<format::Sphere> spheres{center};
+    const auto shape = format::CreateShape(builder, builder.CreateVectorOfStructs(spheres));
+    const std::vector objects{format::CreateObject(builder, builder.CreateString("ball"), shape)};
+    const auto object_vector = builder.CreateVector(objects);
+    const auto pairs = builder.CreateVector(numbers);
+    const auto name = builder.CreateString("s");
+    format::FinishSceneBuffer(builder,
+                              format::CreateScene(builder, 3, name, 0, 0, object_vector, 0, kIsChecksum, pairs));
+    std::string bytes(reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize());
+    seal_scene(std::as_writable_bytes(std::span(bytes)));
+    EXPECT_NE(complaint("s.cscene", bytes).find(flaw), std::string::npos) << complaint("s.cscene", bytes);
+  }
 }
 
 TEST_F(IntakeSceneFile, AnEmptySceneIsAScene) {
@@ -379,7 +429,7 @@ TEST(IntakeShape, RefusalsSayWhat) {
   EXPECT_EQ(refusal(Shape{}), "shape of nothing");
   EXPECT_EQ(refusal(of({Sphere{{0, 0, 0}, -1}})), "sphere 0: radius -1 m, allowed are finite sizes of 0 and more");
   EXPECT_EQ(refusal(of({Sphere{{0, 0, 0}, 1}, Capsule{{0, 0, 0}, {0, std::nan(""), 0}, 1}})),
-            "capsule 0: end b is (0, nan, 0)");
+            "capsule 0: end b is (0, nan, 0) m, allowed are numbers up to 1e290");
   EXPECT_EQ(refusal(of({Box{.center = {0, 0, 0}, .axes = 2 * Mat3::Identity()}})).substr(0, 12), "box 0: axes ");
   for (int axis = 0; axis < 3; ++axis) {
     for (const double size : {0.0, -1.0}) {

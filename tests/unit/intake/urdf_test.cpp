@@ -55,8 +55,8 @@ TEST(IntakeUrdf, LinksStandWhereTheirJointsAtZeroPutThem) {
 
 TEST(IntakeUrdf, WithoutAnSrdfFileLinksNeverMeetAndThatIsSaid) {
   const auto loaded = load("arm.urdf", arm());
-  EXPECT_FALSE(may_meet(loaded.scene.objects[0].filter, loaded.scene.objects[1].filter));
-  EXPECT_TRUE(may_meet(loaded.scene.objects[0].filter, Filter{}));
+  EXPECT_TRUE(loaded.scene.allowed_pairs->is_every_pair());
+  EXPECT_EQ(loaded.scene.objects[0].filter.group, 0u) << "groups are the user's";
   EXPECT_NE(loaded.report.warnings.at(0).find("the links never meet each other"), std::string::npos);
 }
 
@@ -66,11 +66,12 @@ TEST(IntakeUrdf, AnSrdfFileSaysWhichPairsMayTouch) {
     <disable_collisions link1="base" link2="nowhere"/></robot>)";
   const auto loaded = load("arm.urdf", arm(), {.srdf = path});
   std::filesystem::remove(path);
-  const auto filter = [&](const char* name) { return find(loaded.scene, name).filter; };
-  EXPECT_FALSE(may_meet(filter("arm/base"), filter("arm/upper")));
-  EXPECT_TRUE(may_meet(filter("arm/base"), filter("arm/hand")));
-  EXPECT_TRUE(may_meet(filter("arm/upper"), filter("arm/hand")));
-  for (const SceneObject& link : loaded.scene.objects) EXPECT_TRUE(may_meet(link.filter, Filter{}));
+  const auto is_allowed = [&](const char* a, const char* b) {
+    return loaded.scene.allowed_pairs->contains(find(loaded.scene, a).number, find(loaded.scene, b).number);
+  };
+  EXPECT_TRUE(is_allowed("arm/base", "arm/upper"));
+  EXPECT_FALSE(is_allowed("arm/base", "arm/hand"));
+  EXPECT_FALSE(is_allowed("arm/upper", "arm/hand"));
   EXPECT_EQ(loaded.report.warnings.at(0), "1 of 2 pairs in the SRDF file name a link without a collision shape");
 }
 
@@ -95,8 +96,10 @@ TEST(IntakeUrdf, ARobotThatMissesAMeshIsRefusedAsAWhole) {
   EXPECT_EQ(
       complaint(
           "r.urdf",
-          R"(<robot name="r"><link name="l"><collision><geometry><mesh filename="package://p/a.stl"/></geometry></collision></link></robot>)"),
-      "r.urdf: 1 mesh file is not there, the first is 'package://p/a.stl'; what does not come from a folder has no "
+          R"(<robot name="r"><link name="l"><collision><geometry><mesh filename="package://moveit_resources_panda_description/meshes/collision/link0.stl"/></geometry></collision></link></robot>)"),
+      "r.urdf: 1 mesh file is not there, the first is "
+      "'package://moveit_resources_panda_description/meshes/collision/link0.stl'; what does not come from a folder has "
+      "no "
       "other "
       "files. Nothing was loaded.");
 }

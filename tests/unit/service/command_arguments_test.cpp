@@ -41,9 +41,9 @@ TEST(CommandArguments, ARefusalSaysWhatWasSaidAndWhatIsAllowed) {
   const std::string said = R"(do: 'x' is ["é",{"deep":[1,2]}]; allowed: )";
   EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.text("x"); }), said + "text");
   EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.truth("x", false); }), said + "true or false");
-  EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.number("x", 0); }), said + "a finite number");
+  EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.number("x", 0); }), said + "a number up to 1e290");
   EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.whole("x", 0, 9); }), said + "a whole number from 0 to 9");
-  EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.vector("x"); }), said + "three numbers");
+  EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.vector("x"); }), said + "three numbers up to 1e290");
   EXPECT_EQ(refusal(odd, [](const Arguments& a) { a.boxes("x"); }),
             said + "at most 10000 boxes of six numbers, the lower corner first");
   EXPECT_NE(refusal(odd, [](const Arguments& a) { a.pose("x"); }).find("; a pose is [x, y, z, qw, qx, qy, qz]"),
@@ -94,8 +94,8 @@ TEST(CommandArguments, WhatWasNotSaidIsWhatIsTakenOtherwise) {
     return refusal(std::string(R"({"command": "do", "x": )") + value + "}", how);
   };
   const auto three = [](const Arguments& a) { a.vector("x"); };
-  EXPECT_EQ(read("[1, 2]", three), "do: 'x' is [1,2]; allowed: three numbers");
-  EXPECT_EQ(read(R"([1, 2, "3"])", three), "do: 'x' is [1,2,\"3\"]; allowed: three numbers");
+  EXPECT_EQ(read("[1, 2]", three), "do: 'x' is [1,2]; allowed: three numbers up to 1e290");
+  EXPECT_EQ(read(R"([1, 2, "3"])", three), "do: 'x' is [1,2,\"3\"]; allowed: three numbers up to 1e290");
   const auto pose = [](const Arguments& a) { a.pose("x"); };
   EXPECT_EQ(read("[1, 2, 3]", pose), "do: 'x': a pose of 3 numbers; 7 are needed; a pose is [x, y, z, qw, qx, qy, qz]");
   EXPECT_EQ(read(R"([1, 2, "3", 1, 0, 0, 0])", pose), "do: 'x': a pose with nan; a pose is [x, y, z, qw, qx, qy, qz]");

@@ -125,6 +125,13 @@ TEST(EtcdClientAnswers, NobodyThereIsAReasonThatNamesTheAddress) {
   EXPECT_EQ(transact_failure(client), "127.0.0.1:" + port + ": Connection refused");
 }
 
+TEST(EtcdClientAnswers, AnUnknownNameIsAReason) {
+  EtcdClient client({.endpoints = {{"nothing.invalid", "2379"}}, .key = ""}, kEtcdPatienceNs);
+  const std::string why = transact_failure(client);
+  // How soon a name is known not to exist is the resolver's affair.
+  EXPECT_TRUE(has_part(why, "its name is not known") || has_part(why, "no answer within 200 ms")) << why;
+}
+
 TEST(EtcdClientAnswers, SilenceAndDripsEndInTime) {
   const auto silence = [](int, const std::atomic<bool>& is_over) {
     while (!is_over.load()) std::this_thread::sleep_for(5ms);

@@ -67,12 +67,13 @@ TEST_F(ServiceFrames, AnEventTravelsWithEveryFieldInItsPlace) {
   Event second = event;
   second.sequence = 22;
   second.kind = EventKind::began;
-  columns.add(second, book);
+  columns.add(second, book, true);
   columns.named.fill([&](ObjectId id) { return book.name(id); });
   EXPECT_EQ(columns.first_sequence, 21U);
   EXPECT_EQ(columns.size(), 2U);
   EXPECT_EQ(columns.kinds, (std::vector<std::uint8_t>{2, 0}));
   EXPECT_EQ(columns.reasons, (std::vector<std::uint8_t>{4, 4}));
+  EXPECT_EQ(columns.doubts[1], columns.doubts[0] | wire_contract::kPosesMerged);
   EXPECT_EQ(columns.shards, std::vector<std::uint8_t>(2, wire_contract::contact_shard(a, b)));
   EXPECT_EQ(columns.a, std::vector<std::uint64_t>(2, a));
   EXPECT_EQ(columns.b, std::vector<std::uint64_t>(2, b));

@@ -108,6 +108,20 @@ TEST(Inbox, AFloodMergesItsOwnPosesOnly) {
   EXPECT_EQ(inbox.counts().poses_dropped, 0U);
 }
 
+TEST(Inbox, MergedPosesSayHowManyTheyReplacedAndOfWhichObjects) {
+  Inbox inbox({.batches = 1, .poses = 100, .own_batches = 1, .merged_objects = 9, .definition_bytes = 1, .jobs = 1});
+  inbox.push(batch(1, {{1, 1}}));
+  for (std::uint64_t i = 2; i <= 5; ++i) inbox.push(batch(i, {{1, 1}}));
+  inbox.push(batch(6, {{2, 1}}));
+  const std::vector<Arrival> arrivals = drain(inbox);
+  ASSERT_EQ(arrivals.size(), 2U);
+  EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[0])->merged, 0U);
+  const PoseSample& merged = *std::get<std::unique_ptr<PoseSample>>(arrivals[1]);
+  EXPECT_EQ(merged.object_numbers, (std::vector<std::uint32_t>{1, 2}));
+  EXPECT_EQ(merged.merged, 3U) << "of four";
+  EXPECT_EQ(merged.merged_objects, (std::vector<std::uint8_t>{1, 0}));
+}
+
 // Publishers come and go under ever new numbers: what is kept of each is given up, and nothing that waits with it.
 TEST(Inbox, ManyPublishersLoseNothing) {
   Inbox inbox({.batches = 10'000, .merged_publishers = 10});
@@ -201,6 +215,10 @@ TEST(Inbox, ASignOfLifeTakesNothingFromWhatItIsMergedWith) {
   auto sign_of_life = batch(2, {}, wire_contract::kAllSaid);
   sign_of_life->received_ns = 950;
   inbox.push(std::move(sign_of_life));
+  auto stamped = batch(0, {}, wire_contract::kStreamed);
+  stamped->source_time_ns = 700;
+  stamped->received_ns = 960;
+  inbox.push(std::move(stamped));
   std::vector<Arrival> arrivals = drain(inbox);
   ASSERT_EQ(arrivals.size(), 1U);
   const PoseSample& merged = *std::get<std::unique_ptr<PoseSample>>(arrivals[0]);
@@ -208,8 +226,9 @@ TEST(Inbox, ASignOfLifeTakesNothingFromWhatItIsMergedWith) {
   EXPECT_EQ(merged.received_ns, 900);
   EXPECT_EQ(merged.sequence, 2U);
   EXPECT_EQ(merged.flags, wire_contract::kStreamed | wire_contract::kAllSaid) << "what was said of the publisher holds";
-  // And nothing is left over for the next that is merged.
+  // And nothing is left over for the next that is merged; a framed publisher stays one beside its signs of life.
   inbox.push(batch(3, {{1, 2}}));
+  inbox.push(batch(0, {}, wire_contract::kStreamed));
   arrivals = drain(inbox);
   ASSERT_EQ(arrivals.size(), 1U);
   EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[0])->flags, 0);
@@ -287,7 +306,8 @@ TEST(Inbox, JobsAreBounded) {
   EXPECT_TRUE(inbox.push_job([] {}));
   EXPECT_TRUE(inbox.push_job([] {}));
   EXPECT_FALSE(inbox.push_job([] {}));
-  drain(inbox);
+  inbox.push_own_job([] {});  // the server's own
+  EXPECT_EQ(drain(inbox).size(), 3U);
   EXPECT_TRUE(inbox.push_job([] {}));
 }
 
@@ -390,6 +410,30 @@ TEST(PublisherLiveliness, OneProcessHasSoManyNumbersAndTheyGoWithIt) {
   objects.keep_only(std::vector<std::uint64_t>{80});
   EXPECT_EQ(news_of(inbox).size(), admitted);
   EXPECT_TRUE(objects.admits(81, 1, [] { return std::uint64_t{2}; })) << "free again";
+}
+
+// Four processes took all places, and the next publisher's objects were nowhere.
+TEST(PublisherLiveliness, TheLastPlacesAreForProcessesAndKeysWithFewNumbers) {
+  constexpr std::size_t kOpen = PublisherOwners::kMost - PublisherOwners::kReserved;
+  for (const bool has_keys : {false, true}) {
+    Inbox inbox;
+    PublisherOwners owners;
+    PublisherLiveliness objects(inbox, owners, WriterKind::object);
+    std::uint64_t number = 0;
+    std::size_t admitted = 0;
+    for (std::uint64_t process = 1; process <= 8; ++process) {
+      const auto crowd = [&] { return has_keys ? NumberOwner(process, "crowd") : NumberOwner(process); };
+      for (int i = 0; i < 250; ++i) admitted += objects.admits(process, ++number, crowd) ? 1 : 0;
+    }
+    // Without keys each process has its few; with them all of these have one share.
+    EXPECT_EQ(admitted, has_keys ? kOpen : kOpen + 4 * PublisherOwners::kFew);
+    EXPECT_NE(owners.why_refused(number).find("1000"), std::string::npos) << owners.why_refused(number);
+    EXPECT_EQ(owners.take_refused(), number);
+    EXPECT_EQ(owners.take_refused(), std::nullopt) << "the log stays short";
+    const auto late = [&] { return has_keys ? NumberOwner(99, "late") : NumberOwner(99); };
+    EXPECT_TRUE(objects.admits(990, ++number, late));
+    EXPECT_EQ(owners.why_refused(number), "");
+  }
 }
 
 // Everybody reads the numbers in the status. What a lost publisher has left must not be another's for that.

@@ -2,12 +2,15 @@
 #include "server/service/runtime/log.hpp"
 
 #include <gtest/gtest.h>
+#include <spdlog/logger.h>
 
 #include <chrono>
 #include <nlohmann/json.hpp>
 #include <algorithm>
 #include <regex>
 #include <sstream>
+
+#include "server/service/runtime/dds_warnings.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -55,6 +58,48 @@ TEST(ServiceLog, ALevelSaysItselfAndWhatIsWorse) {
   EXPECT_EQ(said_at("info"), "bcd");
   EXPECT_EQ(said_at("warning"), "cd");
   EXPECT_EQ(said_at("error"), "d");
+}
+
+TEST(ServiceLog, NoTextOfStrangersCommandsATerminal) {
+  testing::internal::CaptureStderr();
+  make_log("info", false)
+      ->warn(
+          "a\x1b]0;evil\x07 \x1b[31m \xC2\x9B"
+          "2J \x7F b\tc\n  d é\nerror: e");
+  const std::string said = testing::internal::GetCapturedStderr();
+  EXPECT_EQ(said.substr(said.find("a?")), "a?]0;evil? ?[31m ?2J ? b\tc\n  d é\n  error: e\n");
+}
+
+/// What DDS would have the server log.
+std::string logged(const std::vector<std::pair<std::uint32_t, std::string>>& line_and_message) {
+  testing::internal::CaptureStderr();
+  DdsWarnings warnings(make_log("info", false));
+  for (const auto& [line, message] : line_and_message) {
+    dds_log_data_t data{};
+    data.file = "q_receive.c";
+    data.line = line;
+    data.message = message.c_str();
+    data.size = message.size();
+    data.hdrsize = 35;  // of the header, which stands in front of the message
+    warnings.take(data);
+  }
+  return testing::internal::GetCapturedStderr();
+}
+
+TEST(ServiceLog, AWarningOfDdsIsLoggedFromItsFirstLetterHoweverShortItIs) {
+  for (const char* message : {"x", "", "malformed packet received from vendor 1.16 state parse:HEARTBEAT"})
+    EXPECT_NE(logged({{1, message}}).find(std::string("warning: DDS: ") + message + '\n'), std::string::npos)
+        << message;
+}
+
+TEST(ServiceLog, AFloodOfWarningsOfOneKindIsAFewLinesAndHidesNoOther) {
+  std::vector<std::pair<std::uint32_t, std::string>> all(100'000, {1, "malformed" + std::string(2'000, 'x')});
+  all.insert(all.begin() + 50'000, {2, "another"});
+  const std::string said = logged(all);
+  EXPECT_EQ(std::count(said.begin(), said.end(), '\n'), 8 + 13 + 1) << said;
+  EXPECT_LT(said.size(), 12'000U);
+  EXPECT_NE(said.find("... (65536 of this kind)"), std::string::npos) << said;
+  EXPECT_NE(said.find("DDS: another\n"), std::string::npos) << said;
 }
 
 }  // namespace

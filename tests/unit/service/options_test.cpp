@@ -77,6 +77,27 @@ TEST_F(OptionsFile, ThePrintedConfigReadsBack) {
   EXPECT_EQ(again.options.max_objects, 100'000U);
 }
 
+// A key of 200,000 parts ended the server: toml++ makes a table in a table of each.
+TEST_F(OptionsFile, DeepKeysAreRefusedAndLongOnesCut) {
+  const auto fault = [&](const std::string& text) {
+    write(text);
+    try {
+      parse({"--config", path});
+    } catch (const OptionsError& error) { return std::string(error.what()); }
+    return std::string();
+  };
+  std::string deep = "a";
+  for (int i = 0; i < 200'000; ++i) deep += ".a";
+  EXPECT_EQ(fault("\n" + deep + " = 1"), path + " line 2: more than 64 dots in one word");
+  EXPECT_EQ(fault("[" + deep + "]"), path + " line 1: more than 64 dots in one word");
+  EXPECT_EQ(fault("x = {" + deep + " = 1}"), path + " line 1: more than 64 dots in one word");
+  const std::string long_text(10'000, 'x');
+  for (const std::string& text : {long_text + " = 1", "[" + long_text + "]", "[server]\n" + long_text + " = 1",
+                                  "[dds]\ndomain = \"" + long_text + "\"", std::string(2 << 20, '\n')})
+    EXPECT_TRUE(!fault(text).empty() && fault(text).size() < 400) << fault(text).substr(0, 500);
+  EXPECT_EQ(fault("[dds]\npeers = [" + std::string(50, '\n') + "\"10.0.0.1\", \"10.0.0.2\"]\n"), "");
+}
+
 TEST(Options, NumbersAreNeverOptions) {
   try {
     parse({"--unit", "-.5"});
@@ -120,7 +141,9 @@ TEST_F(OptionsFile, EverySettingSetsItsOwnFieldAndNoOther) {
       {"world.solid_by", "winding", [](const Options& o) { return o.solid_by_winding; }},
       {"world.covers", "0,0,0:1,2,3", [](const Options& o) { return o.covers.size() == 1; }},
       {"world.max_objects", "11", [](const Options& o) { return o.max_objects == 11; }},
+      {"world.max_intervals", "12", [](const Options& o) { return o.max_intervals == 12; }},
       {"world.max_contacts", "12", [](const Options& o) { return o.max_contacts == 12; }},
+      {"world.forget_after", "7s", [](const Options& o) { return o.forget_after_ns == 7'000'000'000; }},
       {"world.clock_error", "3ms", [](const Options& o) { return o.clock_error_ns == 3'000'000; }},
       {"world.memory", "7s", [](const Options& o) { return o.memory_ns == 7'000'000'000; }},
       {"answer.error", "4mm", [](const Options& o) { return o.error_m == 4e-3; }},
@@ -218,6 +241,7 @@ TEST(Options, TheDefaultsAreThoseOfTheHelp) {
   EXPECT_EQ(plain.audit_every, 0U);
   EXPECT_EQ(plain.flight_recorder_ns, 30'000'000'000);
   EXPECT_EQ(plain.max_contacts, 10'000'000U);
+  EXPECT_EQ(plain.max_intervals, 64U);
   EXPECT_EQ(plain.interface, "lo");
   EXPECT_FALSE(plain.mend_m);
   EXPECT_EQ(plain.up, 0);
@@ -233,6 +257,7 @@ TEST(Options, LimitsAreThoseThatTheRefusalNames) {
       {"--step", {"100us", "10s"}, {"99us", "11s", "0"}},
       {"--max-objects", {"1", "16000000"}, {"0", "16000001"}},
       {"--max-contacts", {"1", "100000000"}, {"0", "100000001"}},
+      {"--max-intervals", {"1", "1000000"}, {"0", "1000001"}},
       {"--clock-error", {"0", "1ns", "500ms"}, {"-1ns", "501ms"}},
       {"--memory", {"off", "0", "1h"}, {"-1s", "3601s"}},
       {"--deadline", {"1ns", "none"}, {"0", "-1ms"}},

@@ -82,7 +82,9 @@ class PublishersTest : public ::testing::Test {
   }
 
   World world{WorldOptions{}};
-  Publishers publishers{world, PublisherLimits{.publishers = 3, .object_numbers = 20, .parked_batches = 2}};
+  Publishers publishers{world, kLimits};
+  static constexpr PublisherLimits kLimits{
+      .publishers = 3, .object_numbers = 20, .parked_batches = 2, .forget_after_ns = 0};
   std::int64_t now_ns = 1'000;
   std::vector<Event> events;
 };

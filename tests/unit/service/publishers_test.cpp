@@ -199,6 +199,35 @@ TEST_F(PublishersTest, AllBatchesUnderWayWaitForALateDefinition) {
   EXPECT_EQ(patient.counts().poses_applied, kUnderWay);
 }
 
+// Two hundred publishers that never define what they move took a gigabyte.
+TEST_F(PublishersTest, ParkedBatchesOfAllPublishersAreBoundedAndTheGreediestLosesItsOldest) {
+  constexpr std::size_t kRoom = 10, kOfOne = sizeof(PoseSample) + 4 + 7 * sizeof(double);
+  Publishers crowded{world, {.parked_bytes = kRoom * kOfOne}};
+  const auto park = [&](std::uint64_t publisher, std::uint64_t sequence) {
+    PoseSample sample = pose(sequence, {{1, 2}}, 4);
+    sample.publisher = publisher;
+    while (crowded.move(sample, now_ns) == Applied::step_first) {
+      ASSERT_TRUE(world.step(++now_ns, 1, {}));
+      crowded.stepped();
+    }
+  };
+  constexpr std::uint64_t kModest = kPublisher, kGreedy = kPublisher + 1;
+  for (std::uint64_t i = 0; i < 20; ++i) park(kGreedy, 5 + i);
+  for (std::uint64_t i = 0; i < 3; ++i) park(kModest, 5 + i);
+  for (std::uint64_t i = 20; i < 40; ++i) park(kGreedy, 5 + i);
+  EXPECT_EQ(crowded.counts().batches_dropped, 43U - kRoom);
+  const auto finish = [&](const auto& apply) {
+    while (apply() == Applied::step_first) {
+      ASSERT_TRUE(world.step(++now_ns, 1, {}));
+      crowded.stepped();
+    }
+  };
+  DefinitionSample late = definition(1, 4, "ball");
+  finish([&] { return crowded.define(late, now_ns); });
+  finish([&] { return crowded.release_parked(now_ns); });
+  EXPECT_EQ(crowded.counts().poses_applied, 3U) << "all of the modest one's";
+}
+
 TEST_F(PublishersTest, ParkedBatchesAreBounded) {
   for (std::uint64_t sequence = 5; sequence < 10; ++sequence)
     move(pose(sequence, {{1, static_cast<double>(sequence)}}, 4));
@@ -370,6 +399,114 @@ TEST_F(PublishersTest, APoseOfAnObjectThatIsGoneMovesNobody) {
   step();
   EXPECT_EQ(height("other"), 7);
   EXPECT_EQ(publishers.counts().poses_unknown, 1U);
+}
+
+// Its own gap comes before all else that a publisher says, under an object number of its own.
+TEST_F(PublishersTest, APublishersGapSaysUpToWhenItsPosesConnect) {
+  constexpr std::int64_t kSecondNs = 1'000'000'000;
+  const auto place_at = [&](double gap_s, std::int64_t ago_ns) {
+    World own{WorldOptions{.memory = {.reach_ns = 60 * kSecondNs}}};
+    Publishers own_publishers{own, PublisherLimits{}};
+    DefinitionSample itself = removal(wire_contract::kPublisherItself, 1);
+    itself.pose[0] = gap_s;
+    std::int64_t time_ns = 1'000 * kSecondNs;
+    const auto next = [&] {
+      EXPECT_TRUE(own.step(time_ns, 1, {}));
+      own_publishers.stepped();
+    };
+    next();
+    own_publishers.define(itself, time_ns);
+    DefinitionSample ball = definition(1, 2, "ball", 0);
+    own_publishers.define(ball, time_ns);
+    next();
+    for (const double height : {0.0, 10.0}) {
+      PoseSample sample = pose(3 + static_cast<std::uint64_t>(height), {{1, height}});
+      sample.source_time_ns = sample.received_ns = time_ns += 4 * kSecondNs;
+      own_publishers.move(sample, time_ns);
+      next();
+    }
+    const auto state = own.memory().at(time_ns - ago_ns);
+    return state->poses[slot_of(*own.find("ball"))].position.z();
+  };
+  EXPECT_NEAR(place_at(5, 2 * kSecondNs), 5, 1e-9) << "the poses are 4 s apart";
+  EXPECT_NEAR(place_at(2, kSecondNs), 5, 1e-9);
+  EXPECT_EQ(place_at(2, 2 * kSecondNs), 0);
+  EXPECT_EQ(place_at(1.5, 1'500'000'000), 0);
+}
+
+TEST_F(PublishersTest, AGapOutOfBoundsIsRefused) {
+  std::uint64_t sequence = 0;
+  for (const double gap_s : {0.0, -1.0, 1e-9, 8.001, std::numeric_limits<double>::quiet_NaN()}) {
+    DefinitionSample itself = removal(wire_contract::kPublisherItself, ++sequence);
+    itself.pose[0] = gap_s;
+    define(itself);
+    EXPECT_EQ(publishers.counts().definitions_refused, sequence);
+    EXPECT_NE(publishers.take_notices().at(0).find("; allowed 0.001 to 8. It stays 1.5 s."), std::string::npos);
+  }
+  EXPECT_EQ(publishers.applied_through(kPublisher), sequence);
+}
+
+TEST_F(PublishersTest, AnObjectsRestIsNoSlowPublisher) {
+  constexpr std::int64_t kSecondNs = 1'000'000'000;
+  define(definition(1, 1, "ball"));
+  std::uint64_t sequence = 1;
+  const auto after = [&](std::int64_t pause_ns) {
+    PoseSample sample = pose(++sequence, {{1, 4 + 1e-3 * static_cast<double>(sequence)}});
+    sample.source_time_ns = now_ns += pause_ns;
+    move(sample);
+    step();
+    return publishers.take_notices();
+  };
+  now_ns += kSecondNs;
+  for (int i = 0; i < 4; ++i) {
+    EXPECT_TRUE(after(3 * kSecondNs).empty());
+    EXPECT_TRUE(after(kSecondNs).empty());
+  }
+  after(2 * kSecondNs), after(2 * kSecondNs);
+  const std::vector<std::string> said = after(2 * kSecondNs);
+  ASSERT_EQ(said.size(), 1U) << "three in a row";
+  EXPECT_NE(said[0].find("publisher 'test' sends poses 2 s apart, and its gap is 1.5 s"), std::string::npos) << said[0];
+  EXPECT_TRUE(after(2 * kSecondNs).empty()) << "once";
+}
+
+// A pipe that pauses: the row of 2 s comes late, when signs of life have named 2.3 s already.
+TEST_F(PublishersTest, APoseStampedBeforeASignOfLifeIsNotLate) {
+  constexpr std::int64_t kMs = 1'000'000;
+  now_ns = 8'000 * kMs;
+  define(definition(1, 1, "ball"));
+  step();
+  now_ns = 9'000 * kMs;
+  const auto say = [&](PoseSample sample, std::int64_t time_ns, std::uint8_t flags) {
+    now_ns = std::max(now_ns, time_ns);
+    sample.source_time_ns = time_ns;
+    sample.flags = flags;
+    move(sample);
+    step();
+  };
+  say(pose(2, {{1, 4}}), 9'000 * kMs, 0);
+  for (int ms = 9'250; ms <= 10'300; ms += 250) say(pose(0, {}), ms * kMs, wire_contract::kStreamed);
+  say(pose(3, {{1, 6}}), 10'000 * kMs, 0);
+  EXPECT_EQ(publishers.counts().stamps_late, 0U);
+  EXPECT_EQ(world.newest()->posed_ns[slot_of(*world.find("ball"))], 10'000 * kMs);
+}
+
+// Else its objects would be known up to the server's own time, and its first poses be late.
+TEST_F(PublishersTest, AStreamedPublishersTimeBeginsWithItsFirstWord) {
+  constexpr std::int64_t kMs = 1'000'000;
+  now_ns = 1'000 * kMs;
+  define(definition(1, 1, "ball"));
+  step();
+  const auto say = [&](PoseSample sample, std::int64_t time_ns) {
+    sample.source_time_ns = time_ns;
+    sample.flags = wire_contract::kStreamed;
+    move(sample);
+    step();
+  };
+  say(pose(0, {}), 1'100 * kMs);
+  now_ns = 1'500 * kMs;
+  step();
+  say(pose(2, {{1, 6}}), 1'200 * kMs);
+  EXPECT_EQ(world.newest()->posed_ns[slot_of(*world.find("ball"))], 1'200 * kMs);
 }
 
 // A publisher without stamps that rests says so by empty batches: whoever comes to what it has is told, and does not wait for it

@@ -33,6 +33,18 @@ TEST(SourceClock, WorldTimeDoesNotFallWhereALateBatchWasTakenForAnotherClock) {
   EXPECT_EQ(clock.stamp(kStart + 1'000 * kMs, kStart + 1'040 * kMs).time_ns, kStart + 1'000 * kMs);
 }
 
+// It is on the clock of the batches, comes between them, and makes none of them late. A clock that has jumped is not followed.
+TEST(SourceClock, ASignOfLifeSaysHowFarTheTimeHasComeAndNoMore) {
+  SourceClock clock;
+  EXPECT_FALSE(clock.alive_at(kStart, kStart)) << "before the first batch nothing is known of the clock";
+  clock.stamp(kStart - 3'000 * kMs, kStart);
+  EXPECT_EQ(clock.alive_at(kStart - 2'700 * kMs, kStart + 300 * kMs), kStart + 300 * kMs);
+  EXPECT_EQ(clock.stamp(kStart - 2'800 * kMs, kStart + 310 * kMs).kind, StampKind::good);
+  EXPECT_FALSE(clock.alive_at(kStart + 60'000 * kMs, kStart + 320 * kMs));
+  EXPECT_FALSE(clock.alive_at(-1, kStart + 330 * kMs));
+  EXPECT_EQ(clock.stamp(kStart - 2'600 * kMs, kStart + 510 * kMs).kind, StampKind::good);
+}
+
 TEST(SourceClock, AClockThatIsBehindKeepsItsOffset) {
   SourceClock clock;
   for (int i = 0; i < 100; ++i) {

@@ -33,11 +33,7 @@ class SuccessionTest : public ::testing::Test {
 
   std::atomic<bool> takes_questions_{true};
   int ends_ = 0;
-  Succession succession_{{.on_world_thread =
-                              [](const std::function<void()>& job) {
-                                job();
-                                return true;
-                              },
+  Succession succession_{{.on_world_thread = [](const std::function<void()>& job) { job(); },
                           .speak = {},
                           .fall_silent = [] {},
                           .say_last_words = {},

@@ -56,6 +56,19 @@ TEST_F(Comparisons, DifferencesInARowAreCountedAndAnEqualInstantEndsThem) {
   EXPECT_EQ(comparison.differing(), 0U);
 }
 
+// The last groups have what commands brought, which one of the two may do a moment later.
+TEST_F(Comparisons, TellWhetherObjectsOfPublishersDiffer) {
+  InstantDigest command = at(1);
+  command.digest.sums.back() = 3;
+  comparison.note_own(command, nobody());
+  comparison.hear(at(1));
+  EXPECT_EQ(comparison.differing(), 1U);
+  EXPECT_TRUE(comparison.only_unpublished_differed());
+  comparison.note_own(at(2, 1), nobody());
+  comparison.hear(at(2, 2));
+  EXPECT_FALSE(comparison.only_unpublished_differed());
+}
+
 // What the one that was followed before has said is no word of the one that has taken its place.
 TEST_F(Comparisons, WithAnotherServerOnlyWhatThatOneSaysCounts) {
   comparison.note_own(at(1, 1), nobody());

@@ -70,6 +70,25 @@ TEST(WriteBarriers, WhoNamesNoPublisherPassesAndWhoHasPassedDoesAgain) {
   EXPECT_EQ(pass(write_barriers, std::move(ready[0])), WriteBarriers::Outcome::passed);
 }
 
+// One client whose questions waited for a sample that never came had a third of all others' refused.
+TEST(WriteBarriers, TheLastPlacesAreForProcessesWithFew) {
+  WriteBarriers write_barriers;
+  const auto park = [&](std::uint64_t participant, std::size_t count) {
+    std::size_t parked = 0;
+    for (std::size_t i = 0; i < count; ++i) {
+      AskPointer ask = behind_barrier(7, 5);
+      ask->from.participant = participant;
+      parked += pass(write_barriers, std::move(ask)) == WriteBarriers::Outcome::parked ? 1 : 0;
+    }
+    return parked;
+  };
+  EXPECT_EQ(park(1, 2'000), WriteBarriers::kMostOfOne);
+  EXPECT_EQ(park(2, 2'000), WriteBarriers::kMost - WriteBarriers::kReserved - WriteBarriers::kMostOfOne);
+  for (std::uint64_t other = 3; other < 3 + WriteBarriers::kReserved / WriteBarriers::kFew; ++other)
+    EXPECT_EQ(park(other, 2'000), WriteBarriers::kFew);
+  EXPECT_EQ(park(99, 1), 0U) << "all places are taken";
+}
+
 // Another publisher's samples, however many, are not those that were waited for.
 TEST(WriteBarriers, EachWaitsForItsOwnPublisher) {
   WriteBarriers write_barriers;
@@ -89,8 +108,11 @@ TEST(WriteBarriers, EachWaitsForItsOwnPublisher) {
 
 TEST(WriteBarriers, SoManyWaitAndNoMore) {
   WriteBarriers write_barriers;
-  for (std::size_t i = 0; i < WriteBarriers::kMost; ++i)
-    ASSERT_EQ(pass(write_barriers, behind_barrier(7, 5)), WriteBarriers::Outcome::parked);
+  for (std::size_t i = 0; i < WriteBarriers::kMost; ++i) {
+    AskPointer ask = behind_barrier(7, 5);
+    ask->from.participant = i + 1;
+    ASSERT_EQ(pass(write_barriers, std::move(ask)), WriteBarriers::Outcome::parked);
+  }
   AskPointer one_more = behind_barrier(7, 5);
   EXPECT_EQ(write_barriers.pass(one_more), WriteBarriers::Outcome::full);
   EXPECT_TRUE(one_more) << "whoever is turned away is to be told";

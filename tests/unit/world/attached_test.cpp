@@ -5,6 +5,7 @@
 #include <map>
 #include <random>
 
+#include "server/world/fences/fences.hpp"
 #include "server/world/world.hpp"
 #include "tests/oracle/seed.hpp"
 
@@ -34,15 +35,23 @@ using HeardOfPairs = std::map<std::string, std::vector<Heard>>;
 class AttachedObjects : public testing::Test {
  protected:
   struct Here {
-    World world{WorldOptions{}};
+    World world{WorldOptions{.memory = {.reach_ns = 60'000'000'000}}};
     HeardOfPairs heard;
     std::int64_t now_ns = kFirst;
 
     ObjectId add(const std::string& name, const Vec3& place, std::uint64_t publisher = 0, bool moving = true,
                  double half_m = 0.5) {
+      return add(name, Box{.center = Vec3::Zero(), .half_m = Vec3::Constant(half_m)}, place, publisher, moving);
+    }
+    ObjectId add(const std::string& name, const Primitive& shape, const Vec3& place, std::uint64_t publisher = 0,
+                 bool moving = true) {
+      return add(name, std::vector<Primitive>{shape}, place, publisher, moving);
+    }
+    ObjectId add(const std::string& name, const std::vector<Primitive>& parts, const Vec3& place,
+                 std::uint64_t publisher, bool moving) {
       ObjectDefinition object;
       object.name = name;
-      object.shape.primitives.emplace_back(Box{.center = Vec3::Zero(), .half_m = Vec3::Constant(half_m)});
+      for (const Primitive& part : parts) object.shape.primitives.emplace_back(part);
       object.pose.position = place;
       object.publisher = publisher;
       object.moving = moving;
@@ -156,9 +165,9 @@ TEST_F(AttachedObjects, WhatCannotBeAttachedIsRefusedWithTheReason) {
   EXPECT_EQ(why(crate, label), "object 'crate' cannot be attached: 'label' moves along with it. Nothing was attached");
 }
 
-// The parent is swept from pose to pose, and so is what it carries: contacts between two poses are told, within
-// the same brackets as if the publisher had moved both.
-TEST_F(AttachedObjects, EventsAreThoseOfTheSameObjectsMovedByThePublisher) {
+// At a fixed place of its parent: the judge is an object with the same shape in the parent's frame, at the parent's poses.
+// Contacts between two poses are reported within the same brackets. Every other child is a ball.
+TEST_F(AttachedObjects, EventsAreThoseOfAPartOfTheParentsShape) {
   for (int round = 0; round < 40; ++round) {
     SCOPED_TRACE(round);
     Here attached;
@@ -177,12 +186,17 @@ TEST_F(AttachedObjects, EventsAreThoseOfTheSameObjectsMovedByThePublisher) {
         std::uniform_real_distribution<double> place(-6, 6);
         here->add("post" + std::to_string(i), {place(places), place(places), place(places)}, 0, false, 0.3);
       }
-      crates.push_back(here->add("crate", {2, 0.5, 0}, here == &moved ? kRobot : 0));
+      const Vec3 place(2, 0.5, 0);
+      const Vec3 center = here == &moved ? place : Vec3::Zero();
+      std::vector<Primitive> parts{Box{.center = center, .half_m = Vec3::Constant(0.5)}};
+      if (round % 2 == 1) parts = {Sphere{.center = center, .radius_m = 0.6}};
+      // The centre of an object that is one sphere goes straight; as a part of a shape it does not.
+      if (round % 2 == 1 && here == &moved) parts.emplace_back(Sphere{.center = center, .radius_m = 0.1});
+      crates.push_back(here->add("crate", parts, place - center, here == &moved ? kRobot : 0, true));
       for (const std::uint64_t publisher : {kRobot, kOther}) here->world.advance(publisher, kFirst);
       here->step();
     }
     ASSERT_FALSE(attached.world.attach(crates[0], hands[0]));
-    const Pose in_parent = attached.world.attachments().find(crates[0])->in_parent;
     for (Here* here : {&attached, &moved}) {
       here->step();
       here->heard.clear();
@@ -200,7 +214,7 @@ TEST_F(AttachedObjects, EventsAreThoseOfTheSameObjectsMovedByThePublisher) {
         std::vector<Pose> poses{of_hand};
         if (i == 1) {
           ids.push_back(crates[i]);
-          poses.push_back(composed(of_hand, in_parent));
+          poses.push_back(of_hand);
         }
         bool done[2] = {};
         here.world.move(ids, poses, time_ns, false, std::span(done, ids.size()), streamed);
@@ -230,6 +244,119 @@ TEST_F(AttachedObjects, EventsAreThoseOfTheSameObjectsMovedByThePublisher) {
     EXPECT_EQ(attached.heard.size(), moved.heard.size());
     EXPECT_GT(moved.heard.size(), 5u);
   }
+}
+
+// A quarter turn in a second: what is attached 1 m off goes along the arc, and so does what is attached to that.
+TEST_F(AttachedObjects, BetweenTwoPosesItGoesAlongTheArcOfItsParent) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  const auto on_arc = [](double radius_m, double share) {
+    return Vec3(radius_m * std::cos(share * M_PI / 2), radius_m * std::sin(share * M_PI / 2), 0);
+  };
+  for (const bool streamed : {false, true}) {
+    Here here;
+    const auto ball = [](double radius_m) { return Sphere{.center = Vec3::Zero(), .radius_m = radius_m}; };
+    const ObjectId parent = here.add("parent", ball(0.01), {0, 0, 0}, kRobot);
+    const ObjectId child = here.add("child", ball(0.05), {1, 0, 0});
+    const ObjectId tip = here.add("tip", ball(0.05), {2, 0, 0});
+    here.add("on the arc", ball(0.05), on_arc(1, 0.5), 0, false);
+    here.add("on the chord", ball(0.05), {0.5, 0.5, 0}, 0, false);
+    here.add("tip's", ball(0.05), on_arc(2, 0.25), 0, false);
+    here.add("beside", ball(0.05), on_arc(2, 0.25) * 1.04, kOther);
+    for (const std::uint64_t publisher : {kRobot, kOther}) here.world.advance(publisher, here.now_ns);
+    here.step();
+    ASSERT_FALSE(here.world.attach(tip, child));
+    ASSERT_FALSE(here.world.attach(child, parent));
+    here.step();
+    here.heard.clear();
+    const std::int64_t start_ns = kFirst + kSecond;
+    for (const double angle : {0.0, M_PI / 2}) {
+      const std::int64_t time_ns = angle == 0 ? start_ns : start_ns + kSecond;
+      const Pose pose{.position = Vec3::Zero(), .rotation = Quat(std::cos(angle / 2), 0, 0, std::sin(angle / 2))};
+      bool done = false;
+      here.world.move(std::span(&parent, 1), std::span(&pose, 1), time_ns, false, std::span(&done, 1), streamed);
+      for (const std::uint64_t publisher : {kRobot, kOther}) here.world.advance(publisher, time_ns);
+      here.step(kSecond);
+    }
+    here.step(kSecond);
+    std::vector<std::string> pairs;
+    for (const auto& [pair, story] : here.heard) pairs.push_back(pair);
+    EXPECT_EQ(pairs, (std::vector<std::string>{"beside tip", "child on the arc", "tip tip's"}));
+    const std::vector<Heard>& story = here.heard["child on the arc"];
+    ASSERT_EQ(story.size(), 2u);
+    // The centres are 0.1 m apart where the angle to the middle is 2 asin(0.05).
+    const double half_s = 2 * std::asin(0.05) / (M_PI / 2);
+    EXPECT_LE(story[0].low_ns, start_ns + std::llround(1e9 * (0.5 - half_s)));
+    EXPECT_GE(story[0].high_ns, start_ns + std::llround(1e9 * (0.5 - half_s)));
+    for (const double share : {0.125, 0.25, 0.5, 0.75}) {
+      const auto state = here.world.memory().at(start_ns + std::llround(share * 1e9));
+      ASSERT_NE(state, nullptr);
+      EXPECT_LT((state->poses[slot_of(child)].position - on_arc(1, share)).norm(), 1e-12) << share;
+      EXPECT_LT((state->poses[slot_of(tip)].position - on_arc(2, share)).norm(), 1e-12) << share;
+    }
+  }
+}
+
+// And what is about it: a fence that an attached object carries.
+TEST_F(AttachedObjects, AFenceAboutWhatIsAttachedGoesAlongTheArc) {
+  constexpr std::int64_t kSecond = 1'000'000'000;
+  for (const bool is_in_step : {false, true}) {
+    Here here;
+    const auto ball = [](double radius_m) { return Sphere{.center = Vec3::Zero(), .radius_m = radius_m}; };
+    const std::uint64_t other = is_in_step ? kRobot : kOther;
+    const ObjectId parent = here.add("parent", ball(0.01), {0, 0, 0}, kRobot);
+    const ObjectId child = here.add("child", ball(0.01), {1, 0, 0});
+    here.add("on the arc", ball(0.05), {std::sqrt(0.5), std::sqrt(0.5), 0}, other);
+    here.add("on the chord", ball(0.05), {0.5, 0.5, 0}, other);
+    FenceDefinition fence{.name = "zone", .carrier = "child"};
+    fence.shape.primitives.emplace_back(ball(0.05));
+    ASSERT_TRUE(std::holds_alternative<ObjectId>(here.world.add_fence(fence)));
+    for (const std::uint64_t publisher : {kRobot, kOther}) here.world.advance(publisher, here.now_ns);
+    here.step();
+    ASSERT_FALSE(here.world.attach(child, parent));
+    here.step();
+    std::vector<std::string> said;
+    for (const double angle : {0.0, M_PI / 2}) {
+      const std::int64_t time_ns = kFirst + (angle == 0 ? 1 : 2) * kSecond;
+      here.world.move(parent, {.rotation = Quat(std::cos(angle / 2), 0, 0, std::sin(angle / 2))}, time_ns, false);
+      for (const std::uint64_t publisher : {kRobot, kOther}) here.world.advance(publisher, time_ns);
+      here.step(kSecond);
+      for (const Event& event : here.world.fences()->events()) {
+        const ObjectInfo* const info = here.world.info(event.of.a);
+        ASSERT_NE(info, nullptr);
+        said.push_back((event.kind == EventKind::began ? "in " : "out ") + info->name);
+      }
+    }
+    EXPECT_EQ(said, (std::vector<std::string>{"in on the arc", "out on the arc"})) << is_in_step;
+  }
+}
+
+// Detached, it goes straight again; what the memory has of the time before stays.
+TEST_F(AttachedObjects, TheArcEndsWithTheAttachment) {
+  Here here;
+  const ObjectId parent = here.add("parent", {0, 0, 0}, kRobot);
+  const ObjectId child = here.add("child", Sphere{.center = Vec3::Zero(), .radius_m = 0.05}, {3, 0, 0});
+  here.world.advance(kRobot, here.now_ns);
+  here.step();
+  ASSERT_FALSE(here.world.attach(child, parent));
+  here.step();
+  const Quat half(0, 0, 0, 1), quarter(std::sqrt(0.5), 0, 0, std::sqrt(0.5));
+  const std::int64_t start_ns = kFirst + 100 * kTick;
+  std::int64_t time_ns = start_ns;
+  for (const Quat& rotation : {Quat(1, 0, 0, 0), quarter}) {
+    here.world.move(parent, {.position = Vec3::Zero(), .rotation = rotation}, time_ns, false);
+    here.world.advance(kRobot, time_ns);
+    here.step(100 * kTick);
+    time_ns += 100 * kTick;
+  }
+  ASSERT_TRUE(here.world.detach(child));
+  here.step(10 * kTick);
+  const std::int64_t released_ns = here.now_ns;
+  here.world.move(child, {.position = {3, 0, 0}, .rotation = half}, released_ns + 100 * kTick, false);
+  here.step(200 * kTick);
+  const auto at = [&](std::int64_t when_ns) { return here.world.memory().at(when_ns)->poses[slot_of(child)].position; };
+  EXPECT_LT((at(start_ns + 50 * kTick) - 3 * Vec3(std::sqrt(0.5), std::sqrt(0.5), 0)).norm(), 1e-12);
+  const Vec3 between = at(released_ns + 50 * kTick);
+  EXPECT_LT((between - Vec3(between.x(), 3 - between.x(), 0)).norm(), 1e-12) << "on the line from (0, 3) to (3, 0)";
 }
 
 // Attaching tells nothing: what touched goes on to touch.

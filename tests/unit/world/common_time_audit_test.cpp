@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "idl/topics.hpp"
 #include "server/world/world.hpp"
 #include "tests/oracle/seed.hpp"
 
@@ -58,6 +59,7 @@ struct Ball {
 /// What a publisher has said, by TIME's rules: an instant that is past counts as the next nanosecond.
 struct Voice {
   bool is_timed = false;
+  std::int64_t gap_ns = wire_contract::kDefaultGapNs;
   std::int64_t known_ns = 0, before_ns = 0, settled_ns = 0;
 };
 
@@ -72,8 +74,11 @@ struct PairState {
 class Audit {
  public:
   explicit Audit(std::mt19937_64& random) : random_(random) {
-    for (std::uint64_t publisher = 1; publisher <= kPublishers; ++publisher)
+    for (std::uint64_t publisher = 1; publisher <= kPublishers; ++publisher) {
       lag_ns_[publisher] = up_to(200 * kAuditMs) - 50 * kAuditMs;
+      if (chance(0.5))
+        world_.set_gap(publisher, gaps_ns_[publisher] = 1 + up_to(chance(0.5) ? 50 * kAuditMs : 8'000 * kAuditMs));
+    }
     step();
   }
 
@@ -88,6 +93,7 @@ class Audit {
       lag_ns_[publisher] = chance(0.2) ? 12'000 * kAuditMs : up_to(3'000 * kAuditMs) - 20 * kAuditMs;
     else if (dice < 0.145) lag_ns_[publisher] = 0;
     else if (dice < 0.16) now_ns_ += up_to(12'000 * kAuditMs);
+    else if (dice < 0.24) live(publisher);
     else if (dice < 0.56) flush(publisher);
     else step();
   }
@@ -126,6 +132,7 @@ class Audit {
     const ObjectId id = std::get<ObjectId>(world_.define(definition));
     Ball ball{.publisher = publisher, .start = at, .end = at, .motions = {}};
     Voice& voice = voices_[publisher];
+    if (gaps_ns_.contains(publisher)) voice.gap_ns = gaps_ns_[publisher];
     if (!any_of_silently(publisher)) {
       voice.known_ns = std::max(voice.known_ns, floor_ns_);
       voice.settled_ns = std::max(voice.settled_ns, floor_ns_);
@@ -197,6 +204,23 @@ class Audit {
       voice.before_ns = voice.known_ns;
       voice.known_ns = time_ns;
     }
+    begin_all(publisher, voice);
+  }
+
+  /// A sign of life at its own time: its objects are known up to one gap before.
+  void live(std::uint64_t publisher) {
+    const std::int64_t time_ns = now_ns_ - lag_ns_[publisher];
+    world_.advance(publisher, time_ns, true);
+    if (!voices_.contains(publisher)) return;
+    Voice& voice = voices_[publisher];
+    if (time_ns - voice.gap_ns > voice.known_ns) {
+      voice.before_ns = voice.known_ns;
+      voice.known_ns = time_ns - voice.gap_ns;
+    }
+    begin_all(publisher, voice);
+  }
+
+  void begin_all(std::uint64_t publisher, Voice& voice) {
     voice.is_timed = true;
     for (auto& [id, ball] : balls_) {
       if (ball.publisher == publisher && ball.birth_ns == 0) begin(ball, voice.known_ns);
@@ -225,7 +249,8 @@ class Audit {
     time_ns = admitted(voice, time_ns);
     std::int64_t since_ns = std::max({ball.posed_ns, ball.birth_ns, voice.settled_ns});
     if (voice.is_timed && ball.birth_ns != 0)
-      since_ns = std::max(since_ns, time_ns > voice.known_ns ? voice.known_ns : voice.before_ns);
+      since_ns =
+          std::max({since_ns, time_ns > voice.known_ns ? voice.known_ns : voice.before_ns, time_ns - voice.gap_ns});
     time_ns = std::max(time_ns, ball.posed_ns);
     if (teleport || ball.birth_ns == 0) since_ns = time_ns;
     ball.motions.push_back({std::min(since_ns, time_ns), time_ns, ball.end, to});
@@ -343,6 +368,7 @@ class Audit {
   std::int64_t floor_ns_ = 0;
   std::map<std::uint64_t, Voice> voices_;
   std::map<std::uint64_t, std::int64_t> lag_ns_;
+  std::map<std::uint64_t, std::int64_t> gaps_ns_;  // those that differ from the default
   std::map<ObjectId, Ball> balls_;
   std::set<ObjectId> posed_;  // since the last step
   std::map<Pair, PairState> pairs_;

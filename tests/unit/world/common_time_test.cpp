@@ -91,6 +91,7 @@ class Stage {
     EXPECT_TRUE(world.move(ids_[ball], {.position = to}, kStart + ms * kMs, teleport));
   }
   void advance(std::uint64_t publisher, std::int64_t ms) { world.advance(publisher, kStart + ms * kMs); }
+  void live(std::uint64_t publisher, std::int64_t ms) { world.advance(publisher, kStart + ms * kMs, true); }
   const std::vector<Event>& step() {
     EXPECT_TRUE(world.step(++now_ns_, 1, {}));
     return world.events();
@@ -159,6 +160,63 @@ TEST(WorldCommonTime, WhoIsLeftOutOfAnInstantHasRested) {
   stage.advance(2, 100);
   ASSERT_EQ(stage.step().size(), 2u);
   EXPECT_NEAR(stage.ms_of(stage.world.events()[0]), 95, 1e-5) << "its side touches after 50 m";
+}
+
+// Two publishers at 1 Hz, half a second apart, whose balls pass through the origin at 3.25 s at 4 m/s. Between their poses both
+// say again and again that they live.
+TEST(WorldCommonTime, BetweenPosesWithinTheGapAnObjectGoesStraightWhateverSignsOfLifeCome) {
+  Stage stage;
+  const std::size_t along_x = stage.ball(1, {-13, 0, 0});
+  const std::size_t along_y = stage.ball(2, {0, -11, 0});
+  std::vector<double> began_ms;
+  for (int ms = 0; ms <= 5'500; ms += 100) {
+    const double way_m = 4 * (1e-3 * ms - 3.25);
+    if (ms % 1'000 == 0) stage.move(along_x, ms, {way_m, 0, 0});
+    if (ms % 1'000 == 0) stage.advance(1, ms);
+    else stage.live(1, ms);
+    if (ms % 1'000 == 500) stage.move(along_y, ms, {0, way_m, 0});
+    if (ms % 1'000 == 500) stage.advance(2, ms);
+    else stage.live(2, ms);
+    for (const Event& event : stage.step()) {
+      if (event.kind == EventKind::began) began_ms.push_back(stage.ms_of(event));
+    }
+  }
+  ASSERT_EQ(began_ms.size(), 1u);
+  EXPECT_NEAR(began_ms[0], 3'250 - 1e3 / (4 * std::sqrt(2)), 1e-5);
+}
+
+// Ten seconds at rest, and then 30 m in the last second and a half.
+TEST(WorldCommonTime, BeyondTheGapAnObjectRestedUntilOneGapBeforeItsNextPose) {
+  for (const std::int64_t gap_ms : {1'500, 250, 4'000}) {
+    Stage stage;
+    if (gap_ms != 1'500) stage.world.set_gap(1, gap_ms * kMs);
+    const std::size_t mover = stage.ball(1, {0, 0, 0});
+    stage.ball(2, {16, 0, 0});
+    for (const std::uint64_t publisher : {1, 2}) stage.advance(publisher, 0);
+    stage.step();
+    stage.move(mover, 10'000, {30, 0, 0});
+    for (const std::uint64_t publisher : {1, 2}) stage.advance(publisher, 10'000);
+    ASSERT_EQ(stage.step().size(), 2u);
+    EXPECT_NEAR(stage.ms_of(stage.world.events()[0]), 10'000 - static_cast<double>(gap_ms) / 2, 1e-5)
+        << "its side touches after 15 m";
+  }
+}
+
+// The first only says that it lives: it may have moved for as long as a gap.
+TEST(WorldCommonTime, ASilentPublishersPairsWaitNoLongerThanItsGap) {
+  Stage stage;
+  stage.ball(1, {0, 0, 0});
+  const std::size_t mover = stage.ball(2, {9, 0, 0});
+  for (const std::uint64_t publisher : {1, 2}) stage.advance(publisher, 0);
+  stage.step();
+  stage.move(mover, 100, {0.5, 0, 0});
+  stage.advance(2, 100);
+  for (int ms = 100; ms < 1'600; ms += 100) {
+    stage.live(1, ms);
+    EXPECT_TRUE(stage.step().empty()) << ms;
+  }
+  stage.live(1, 1'600);
+  EXPECT_EQ(stage.step().size(), 1u);
 }
 
 // What one publisher has not said yet keeps nobody else waiting; when it is lost, what it had rests.

@@ -44,6 +44,25 @@ TEST(ContactLedger, BeganAndEndedAlternateAndShareTheEpisode) {
   EXPECT_TRUE(ledger.open().empty());
 }
 
+// A shard that knows only a part of a mesh reports neither end as a parting: the two may touch in another shard.
+TEST(ContactLedger, AnUnsureEndAndWhatEmergesWithItHaveOneReason) {
+  ContactLedger ledger;
+  ledger.begin_step(1'000, false);
+  FoundContact inside = pair_of(1, 2);
+  inside.contained = Contained::a_in_b;
+  ledger.touches(inside);
+  ledger.finish_step();
+  ledger.begin_step(2'000, false);
+  end_everything_unfound(ledger);
+  ledger.retell_unsure([](const OpenContact&) { return true; });
+  ledger.finish_step();
+  ASSERT_EQ(ledger.events().size(), 2u);
+  EXPECT_EQ(ledger.events()[0].kind, EventKind::emerged);
+  EXPECT_EQ(ledger.events()[1].kind, EventKind::ended);
+  EXPECT_EQ(ledger.events()[1].reason, EndReason::removed);
+  EXPECT_EQ(ledger.events()[0].reason, ledger.events()[1].reason);
+}
+
 TEST(ContactLedger, OrderOfFindingDoesNotShow) {
   ContactLedger one, other;
   for (ContactLedger* ledger : {&one, &other}) ledger->begin_step(0, false);

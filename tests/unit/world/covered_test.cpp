@@ -124,14 +124,14 @@ TEST(Covered, TheBorderIsExact) {
   EXPECT_EQ(world.verdict(QuestionKind::ray, {0.1, 2, 0.3, 1, 0, 0, up(up(0.2))}), Verdict::undecided);
   EXPECT_EQ(world.verdict(QuestionKind::sphere, {0.2, 2, 0.3, 0.3 - 0.25}), Verdict::miss);
   EXPECT_EQ(world.verdict(QuestionKind::sphere, {0.2, 2, 0.3, up(0.3 - 0.25)}), Verdict::undecided);
-  // Where a direction's own length is rounded coarsely, or overflows.
+  // Where a direction's own length is rounded coarsely, or its square overflows.
   Covered slim({box({0, -9, -9}, {0.1, 9, 9})});
   const double least = std::numeric_limits<double>::denorm_min();
   EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 3 * least, 2 * least, 0, 0.123}), Verdict::undecided)
       << "it ends at 0.102";
-  EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.25}), Verdict::undecided)
+  EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 1e290, 1e290, 1e290, 0.25}), Verdict::undecided)
       << "it ends at 0.144";
-  EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 1.7e308, 1.7e308, 1.7e308, 0.09}), Verdict::miss);
+  EXPECT_EQ(slim.verdict(QuestionKind::ray, {0, 5, 0, 1e290, 1e290, 1e290, 0.09}), Verdict::miss);
 }
 
 TEST(Covered, NothingIsStatedByDefaultAndUnsaidByTakingAway) {

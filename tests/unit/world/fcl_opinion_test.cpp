@@ -1,8 +1,10 @@
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
 
 #include "server/geometry/convex_hull.hpp"
@@ -40,15 +42,19 @@ std::vector<std::pair<std::string, Shape>> every_shape() {
 class FclOpinion : public testing::Test {
  protected:
   void SetUp() override { use(kProgram); }
-  void TearDown() override { ::unsetenv("COLLIDED_OPINION_PROGRAM"); }
+  void TearDown() override {
+    ::unsetenv("COLLIDED_OPINION_PROGRAM");
+    std::filesystem::remove(script_path());
+  }
   static void use(const std::string& program) { ::setenv("COLLIDED_OPINION_PROGRAM", program.c_str(), 1); }
   /// A stand-in for the program.
   static void use_script(const std::string& lines) {
-    const std::string path = testing::TempDir() + "opinion.sh";
+    const std::string path = script_path();
     std::ofstream(path) << "#!/bin/sh\n" << lines << "\n";
     ASSERT_EQ(::system(("chmod +x " + path).c_str()), 0);
     use(path);
   }
+  static std::string script_path() { return testing::TempDir() + "opinion_" + std::to_string(::getpid()) + ".sh"; }
   void fill(const Shape& a, const Shape& b, const Vec3& away) {
     const Quat turned = Quat(0.9, 0.3, -0.2, 0.1).normalized();
     a_ = std::get<ObjectId>(world_.define({.name = "a", .scene = {}, .shape = a, .pose = {}, .filter = {}}));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "server/world/fences/fences.hpp"
+#include "idl/topics.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine {
@@ -30,8 +31,9 @@ class MarginsTest : public testing::Test {
   }
 
   ObjectId add(const std::string& name, const Shape& shape, const Vec3& at, std::uint64_t publisher = 1,
-               bool moving = true, LostPolicy lost = LostPolicy::remove) {
+               bool moving = true, LostPolicy lost = LostPolicy::remove, std::uint32_t layers = 1) {
     ObjectDefinition definition;
+    definition.filter.layers = layers;
     definition.name = name;
     definition.shape = shape;
     definition.pose.position = at;
@@ -39,11 +41,13 @@ class MarginsTest : public testing::Test {
     definition.moving = moving;
     definition.lost_policy = lost;
     definition.filter.group = 1;  // masks and groups do not matter to a margin
+    world_.set_gap(publisher, wire_contract::kMostGapNs);
     return std::get<ObjectId>(world_.define(definition));
   }
 
-  void margin(const std::string& around, const std::string& only, const MarginBands& rest) {
-    FenceDefinition definition{.name = "close", .only = only, .margin = rest};
+  void margin(const std::string& around, const std::string& only, const MarginBands& rest,
+              std::uint32_t mask = 0xffffffff) {
+    FenceDefinition definition{.name = "close", .only = only, .mask = mask, .margin = rest};
     definition.margin->around = around;
     const auto added = world_.add_fence(definition);
     EXPECT_TRUE(std::holds_alternative<ObjectId>(added)) << std::get<Refusal>(added).reason;
@@ -110,6 +114,40 @@ class MarginsTest : public testing::Test {
   std::int64_t now_ns_ = start_ns_;
   World world_{WorldOptions{}};
 };
+
+// The mask is one of the moving objects of the second group. It also left out objects of the first group that came to bands
+// about static objects of the second.
+TEST_F(MarginsTest, AMaskLeavesOutObjectsOfTheSecondGroupAlone) {
+  const auto put = [&](const char* name, double x, bool moving, std::uint32_t layers) {
+    return add(name, ball(0.5), {x, 0, 0}, 1, moving, LostPolicy::remove, layers);
+  };
+  margin("drone*", "*", {.bands_m = {2, 0}}, 2);
+  put("post", 0, false, 1);
+  put("tree", 100, false, 2);
+  const ObjectId drone = put("drone_b", 50, true, 1);
+  const ObjectId zeppelin = put("zeppelin", -20, true, 1);
+  const ObjectId apple = put("apple", -30, true, 2);
+  const ObjectId other = put("drone_a", 70, true, 2);
+  step();
+  pose(drone, {2, 0, 0}, 1);
+  step();
+  EXPECT_EQ(told(), Lines{"in drone_b post 2"}) << "the drone is of the first group";
+  pose(drone, {98, 0, 0}, 2, 1, true);
+  step();
+  EXPECT_EQ(told(), (Lines{"out drone_b post 2 teleported", "in drone_b tree 2"}));
+  pose(drone, {50, 0, 0}, 3, 1, true);
+  pose(zeppelin, {52, 0, 0}, 3, 1, true);
+  step();
+  EXPECT_EQ(told(), Lines{"out drone_b tree 2 teleported"}) << "no layer of the zeppelin is in the mask";
+  pose(apple, {52, 0, 0}, 4, 1, true);
+  step();
+  EXPECT_EQ(told(), Lines{"in apple drone_b 2"});
+  // Both are of both groups, but the mask takes drone_a alone for the second: the bands about drone_b report the pair.
+  pose(apple, {-30, 0, 0}, 5, 1, true);
+  pose(other, {48, 0, 0}, 5, 1, true);
+  step();
+  EXPECT_EQ(told(), (Lines{"out apple drone_b 2 teleported", "in drone_a drone_b 2"}));
+}
 
 TEST_F(MarginsTest, EveryBandIsToldWithItsTimeAndWhatComesNext) {
   margin("person", "drone*", {.bands_m = {5, 2, 0}});

@@ -4,6 +4,7 @@
 #include <set>
 
 #include "server/world/audit/menu.hpp"
+#include "server/world/audit/random_questions.hpp"
 #include "server/world/world.hpp"
 #include "tests/oracle/mixed_world.hpp"
 #include "tests/oracle/seed.hpp"
@@ -90,6 +91,25 @@ TEST_F(WorldMenu, EveryShapeIsJudgedAndNoneIsWrong) {
     EXPECT_LE(row.worst_error_m, row.worst_bound_m) << row.asked_of << " by " << row.method;
   }
   EXPECT_EQ(kinds, (std::set<std::string>{"ray", "sphere", "box", "near", "sweep", "pair", "mesh pair"}));
+}
+
+// Its bounds have no end: questions at no place ended the server.
+TEST_F(WorldMenu, AHalfSpaceWithoutEndIsAskedAboutNearItsPoint) {
+  fill(false);
+  const Pose pose{.position = {0, 0, -3}, .rotation = Quat(1, 0.1, 0.2, 0).normalized()};
+  ObjectDefinition ground;
+  ground.name = "ground";
+  ground.pose = pose;
+  ground.moving = false;
+  ground.shape.primitives = {HalfSpace{Vec3::Zero(), Vec3::UnitZ()}};
+  ASSERT_TRUE(std::holds_alternative<ObjectId>(world_.define(ground)));
+  world_.step(2, 1, {});
+  RandomQuestions random(*world_.newest(), 7);
+  for (const double number : random.question(QuestionKind::sphere)) EXPECT_TRUE(std::isfinite(number)) << number;
+  for (const auto& [kind, row] : exact_rows(60)) {
+    EXPECT_GT(row.judged, 0u) << kind;
+    EXPECT_EQ(row.wrong, 0u) << kind;
+  }
 }
 
 TEST_F(WorldMenu, BoxesAloneAreOftenWrong) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "server/world/fences/fences.hpp"
+#include "idl/topics.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine {
@@ -27,6 +28,7 @@ class NearestTest : public testing::Test {
     definition.moving = moving;
     definition.lost_policy = lost;
     definition.filter.group = 1;  // groups do not matter to the question
+    world_.set_gap(publisher, wire_contract::kMostGapNs);
     return std::get<ObjectId>(world_.define(definition));
   }
 

@@ -1,7 +1,10 @@
 #include <gtest/gtest.h>
 
+#include <set>
+
 #include "server/world/groups/clearance.hpp"
 #include "server/world/objects/pair_rules.hpp"
+#include "server/world/query/why_not_meeting.hpp"
 #include "server/world/world.hpp"
 
 // Pairs that are allowed to touch.
@@ -87,6 +90,50 @@ TEST_F(RulesInTheWorld, ANameIsThatOfTheObjectNotOfItsPlace) {
   step();
   ASSERT_EQ(slot_of(ball("c", 1)), slot_of(b));
   EXPECT_EQ(step(), (std::vector<Told>{{EventKind::began, EndReason::none}}));
+}
+
+// Two robots from one file: each has pairs of links that may touch, and either touches the other.
+TEST_F(RulesInTheWorld, AllowedPairsAreThoseOfOneLoadingOfAScene) {
+  const auto load = [&](const std::string& name) {
+    Scene robot{.name = name, .is_moving = true};
+    for (const char* link : {"fore", "hand", "tool"}) {
+      robot.objects.push_back({.name = name + "/" + link, .number = static_cast<std::uint32_t>(robot.objects.size())});
+      robot.objects.back().shape.primitives.emplace_back(Sphere{.center = Vec3::Zero(), .radius_m = 1});
+    }
+    robot.allowed_pairs = std::make_shared<const AllowedPairs>(std::vector<NumberPair>{{0, 1}, {1, 2}});
+    ASSERT_TRUE(std::holds_alternative<std::uint32_t>(world_.add_scene(World::index_scene(std::move(robot), {}))));
+  };
+  const auto touching = [&] {
+    step();
+    std::set<std::pair<std::string, std::string>> names;
+    for (const OpenContact& contact : world_.contacts())
+      names.insert(std::minmax(world_.info(contact.a)->name, world_.info(contact.b)->name));
+    return names;
+  };
+  using Names = std::set<std::pair<std::string, std::string>>;
+  load("left");
+  EXPECT_EQ(touching(), (Names{{"left/fore", "left/tool"}}));
+  load("right");
+  Names all{{"left/fore", "left/tool"}, {"right/fore", "right/tool"}};
+  for (const char* left : {"left/fore", "left/hand", "left/tool"}) {
+    for (const char* right : {"right/fore", "right/hand", "right/tool"}) all.emplace(left, right);
+  }
+  EXPECT_EQ(touching(), all);
+  // An object that is defined again, as by a publisher that claims it, keeps its pairs.
+  const ObjectId hand = *world_.find("left/hand");
+  const ObjectDefinition again = definition_of(*world_.info(hand), {});
+  world_.remove(hand, EndReason::geometry_changed);
+  ASSERT_TRUE(std::holds_alternative<ObjectId>(world_.define(again)));
+  EXPECT_EQ(touching(), all);
+  PartMeshes part_meshes;
+  ClearanceAsk ask{.from = {*world_.find("left/hand")}, .to = {*world_.find("left/fore"), *world_.find("right/fore")}};
+  const GroupClearance clearance = clearance_of(*world_.newest(), ask, part_meshes);
+  EXPECT_EQ(clearance.filtered, 1u);
+  ASSERT_EQ(clearance.pairs.size(), 1u);
+  EXPECT_EQ(clearance.pairs[0].b, *world_.find("right/fore"));
+  EXPECT_EQ(why_not_meeting(*world_.newest(), *world_.find("left/hand"), *world_.find("left/fore")),
+            std::vector<std::string>{"scene 'left' allows them to touch, by its SRDF file"});
+  EXPECT_TRUE(why_not_meeting(*world_.newest(), *world_.find("left/hand"), *world_.find("right/fore")).empty());
 }
 
 TEST_F(RulesInTheWorld, GroupQuestionsLeaveAllowedPairsOutToo) {

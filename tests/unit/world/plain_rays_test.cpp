@@ -6,6 +6,7 @@
 #include <random>
 
 #include "idl/clocks.hpp"
+#include "idl/question_rules.hpp"
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/world/query/query.hpp"
 #include "server/world/world.hpp"
@@ -107,8 +108,8 @@ std::vector<double> hard_rays(const TriangleMesh& mesh, std::size_t count, std::
     if (kind == 2) direction *= 0x1p900;
     if (kind == 3) length_m = 0x1p1000;
     if (kind == 4) length_m = std::numeric_limits<double>::quiet_NaN();
-    // Each is a number, and their sum is not.
-    if (kind == 5) origin.setConstant(std::numeric_limits<double>::max());
+    // Each is within the limit, and their sum is not.
+    if (kind == 5) origin.setConstant(wire_contract::kMostCoordinate);
     if (kind == 6) origin[static_cast<int>(random() % 3)] = kEndless;
     if (kind == 7) direction[static_cast<int>(random() % 3)] = std::numeric_limits<double>::quiet_NaN();
     add_ray(origin, direction, length_m, numbers);
@@ -157,6 +158,54 @@ TEST_F(WorldPlainRays, HaveTheAnswersOfTheGeneralWay) {
     }
   }
   EXPECT_GT(hits, 2000U);
+}
+
+// Among movers too, whether the nearest is one of them or a scene's triangle, and where nothing but movers is there.
+TEST_F(WorldPlainRays, AmongMoversTheyAreAnsweredAsInTheGeneralWay) {
+  std::mt19937_64 random = oracle::seeded(20261129);
+  const auto join = [&](int count, const std::string& name) {
+    for (int i = 0; i < count; ++i) {
+      const double size_m = 0.02 + 0.1 * std::abs(in_cube(random).x());
+      const Primitive shapes[] = {Sphere{.center = Vec3::Zero(), .radius_m = size_m},
+                                  Box{.center = Vec3::Zero(), .half_m = Vec3(size_m, 0.5 * size_m, 0.2)},
+                                  Capsule{.a = {-size_m, 0, 0}, .b = {size_m, 0, 0}, .radius_m = 0.03}};
+      const Vec3 turn = in_cube(random);
+      ASSERT_TRUE(std::holds_alternative<ObjectId>(world_.define(
+          {.name = name + std::to_string(i),
+           .scene = {},
+           .shape = {.primitives = {shapes[i % 3]}, .mesh = nullptr},
+           .pose = {.position = 2 * in_cube(random), .rotation = Quat(1, turn.x(), turn.y(), turn.z()).normalized()},
+           .filter = {.layers = i % 7 == 0 ? 2U : 1U, .mask = 1}})));
+    }
+    world_.step(++now_ns_, 1, {});
+  };
+  std::size_t of_movers = 0;
+  std::size_t of_scenes = 0;
+  const auto compare = [&] {
+    for (int round = 0; round < 6; ++round) {
+      std::vector<double> numbers;
+      for (int i = 0; i < 300; ++i) add_ray(3 * in_cube(random), in_cube(random), i % 9 == 0 ? 2.5 : kEndless, numbers);
+      for (const HitMode mode : {HitMode::closest, HitMode::any}) {
+        const Answers expected = generally(mode, numbers);
+        expect_same_bits(plainly(mode, numbers), expected);
+        for (const AnswerHit& hit : expected.hits) ++(hit.triangle == kNoTriangle ? of_movers : of_scenes);
+        for (std::size_t i = 0; i < 300; i += 17) {
+          const auto one = std::span(numbers).subspan(i * kRayNumbers, kRayNumbers);
+          expect_same_bits(plainly(mode, one), generally(mode, one));
+        }
+      }
+    }
+  };
+  join(5, "few");
+  compare();
+  EXPECT_EQ(of_scenes, 0U);
+  add("sphere", scenes::icosphere(3, 0.8));
+  compare();
+  join(400, "many");
+  compare();
+  compare();
+  EXPECT_GT(of_movers, 300U);
+  EXPECT_GT(of_scenes, 300U);
 }
 
 // Where only the verdict is asked, most walks end without a test in doubles: floats were certain already.

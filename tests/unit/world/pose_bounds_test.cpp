@@ -55,7 +55,7 @@ class PoseBounds : public testing::Test {
     const std::uint32_t source = rows_.source(slot_of(id));
     const Source& of = sources_[source];
     const std::int64_t time_ns = of.admitted(now_ns_);
-    const std::int64_t since_ns = of.is_timed ? of.instant_before(time_ns) : 0;
+    const std::int64_t since_ns = of.is_timed ? of.rested_until(time_ns) : 0;
     sources_.note_posed(source, is_placed || rows_.is_new(slot_of(id)));
     ASSERT_TRUE(rows_.move(id, any_pose(), {.time_ns = time_ns, .since_ns = since_ns},
                            is_placed ? Motion::placed : Motion::moved));

@@ -212,7 +212,7 @@ TEST(ScaledShape, KeepsItsKindOrIsRefusedByName) {
   EXPECT_EQ(refusal(ball, {1, -1, 1}),
             "scale (1, -1, 1): factors must be finite and above 0; mirror images are not offered");
   EXPECT_EQ(refusal(one_of(Sphere{{1e300, 0, 0}, 1}), Vec3::Constant(1e10)),
-            "scale (10000000000, 10000000000, 10000000000): a coordinate would be too large for a double");
+            "scale (10000000000, 10000000000, 10000000000): a coordinate would exceed 1e290 m");
   Mat3 skew = Eigen::AngleAxisd(0.3, Vec3::UnitZ()).toRotationMatrix();
   EXPECT_EQ(refusal(one_of(Box{.center = {0, 0, 0}, .axes = skew, .half_m = {1, 1, 1}}), {1, 2, 1}),
             "scale (1, 2, 1): a turned box would become no box; one factor for all axes is allowed");

@@ -226,7 +226,7 @@ TEST_F(SolidContact, WhatLiesInItInPartTouchesItAndIsNotContained) {
   EXPECT_EQ(of(cube, barbell).told, "b");
   move(barbell, at(-3));
   step();
-  EXPECT_EQ(of(cube, barbell).told, "b") << "the other ball is in now";
+  EXPECT_EQ(of(cube, barbell).told, "beb") << "the first ball was out before the other one came in";
   move(barbell, at(-6));
   step();
   EXPECT_FALSE(of(cube, barbell).is_held);

@@ -95,6 +95,28 @@ TEST_F(Digests, AnObjectThatOneWorldLacksIsNamedByTheOther) {
   EXPECT_EQ(first_difference(*here.newest(), a, a), "");
 }
 
+TEST_F(Digests, WhatPublishersMoveIsApartFromWhatCommandsBrought) {
+  constexpr std::size_t kPublished = 2 * (WorldDigest::kGroups - WorldDigest::kUnpublishedGroups);
+  const auto is_any = [](const WorldDigest& digest, std::size_t first, std::size_t last) {
+    return std::any_of(digest.sums.begin() + first, digest.sums.begin() + last, [](auto sum) { return sum != 0; });
+  };
+  for (const std::uint64_t publisher : {0, 7}) {
+    World world{WorldOptions{}};
+    for (const std::string& name : names_of(places)) {
+      ObjectDefinition definition;
+      definition.name = name;
+      definition.publisher = publisher;
+      definition.moving = true;
+      definition.shape.primitives = {Sphere{.center = Vec3::Zero(), .radius_m = 0.5}};
+      ASSERT_TRUE(std::holds_alternative<ObjectId>(world.define(definition)));
+    }
+    ASSERT_TRUE(world.step(1, 1, {}));
+    const WorldDigest digest = digest_of(*world.newest());
+    EXPECT_EQ(is_any(digest, 0, kPublished), publisher != 0);
+    EXPECT_EQ(is_any(digest, kPublished, digest.sums.size()), publisher == 0);
+  }
+}
+
 TEST_F(Digests, MinusZeroIsZeroAndAnotherFilterIsAnotherObject) {
   World here{WorldOptions{}};
   World there{WorldOptions{}};

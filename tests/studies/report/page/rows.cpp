@@ -9,7 +9,7 @@
 namespace collided::report {
 namespace {
 
-std::string quoted(const std::string& text) {
+std::string in_quotes(const std::string& text) {
   std::string result = "\"";
   for (const char c : text) {
     if (c == '"') result += '"';
@@ -53,15 +53,15 @@ void write_rows(const std::filesystem::path& file, const std::vector<Row>& rows,
          "nodes,tests,references,bytes,build_ms,"
          "machine,commit,seed,command\n";
   for (const Row& r : rows) {
-    for (const std::string* text : {&r.study, &r.scene, &r.series, &r.label}) out << quoted(*text) << ',';
+    for (const std::string* text : {&r.study, &r.scene, &r.series, &r.label}) out << in_quotes(*text) << ',';
     for (const double value :
          {r.knob, r.error_max, r.error_p50, r.bound_ratio, r.bound_max, r.ns, r.ns_low, r.ns_high}) {
       out << full_number(value) << ',';
     }
-    out << r.n << ',' << r.missed << ',' << r.false_hits << ',' << r.undecided << ',' << quoted(r.note) << ',';
+    out << r.n << ',' << r.missed << ',' << r.false_hits << ',' << r.undecided << ',' << in_quotes(r.note) << ',';
     for (const double value : {r.nodes, r.tests, r.references, r.bytes, r.build_ms}) out << full_number(value) << ',';
-    out << quoted(from.machine) << ',' << quoted(from.commit) << ',' << from.seed << ',' << quoted(from.command)
-        << '\n';
+    out << in_quotes(from.machine) << ',' << in_quotes(from.commit) << ',' << from.seed << ','
+        << in_quotes(from.command) << '\n';
   }
 }
 
