@@ -7,6 +7,7 @@
 #include <variant>
 #include <vector>
 
+#include "server/exact_phase/motion/common_origin.hpp"
 #include "server/exact_phase/motion/ground_motion.hpp"
 #include "server/exact_phase/motion/part_motion_filter.hpp"
 #include "server/geometry/aabb.hpp"
@@ -355,9 +356,19 @@ SweptBody::SweptBody(const ObjectInfo& info, const BodyMotion& on) : motion(on),
   mesh_placing_m = motion.placing_m(mesh_reach_m);
 }
 
+SweptBody SweptBody::on(const BodyMotion& other) const {
+  SweptBody body = *this;
+  body.motion = other;
+  if (mesh != nullptr) body.mesh_placing_m = other.placing_m(mesh_reach_m);
+  return body;
+}
+
 SweptBody::SweptBody(const StaticScene& scene) : mesh(&scene.mesh), tree(&scene.tree) {}
 
-void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptContact& touch) {
+namespace {
+
+void sweep_in_place(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost,
+                    SweptContact& touch) {
   const auto one = [&](std::uint32_t) { return &touch; };
   SweptSearch search(a, b, options, cost, one);
   search.is_one = true;
@@ -365,6 +376,15 @@ void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, 
   search.count_looks();
   touch.is_cut_short = search.is_exhausted();
   touch.undecided = touch.undecided || touch.is_cut_short;
+}
+
+}  // namespace
+
+void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptContact& touch) {
+  const CommonOrigin common(a.motion, b.motion);
+  if (!common.is_taken()) return sweep_in_place(a, b, options, cost, touch);
+  sweep_in_place(a.on(common.a()), b.on(common.b()), options, cost, touch);
+  if (touch.yes && options.contacts) touch.contact.point += common.origin();
 }
 
 bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost,

@@ -24,6 +24,8 @@ struct SweptBody {
   SweptBody(const ObjectInfo& info, const BodyMotion& on);
   /// A scene's static triangles, in world coordinates, at rest.
   explicit SweptBody(const StaticScene& scene);
+  /// The same body on another motion.
+  SweptBody on(const BodyMotion& other) const;
 };
 
 /// The first contact found so far. Times are fractions of the motion, 0 to 1.

@@ -74,6 +74,7 @@ const std::pair<const char*, Study> kStudies[] = {
     {"depth", report::study_depth},
     {"nearest", report::study_nearest},
     {"time", report::study_time},
+    {"turning", report::study_turning},
     {"tessellation", report::study_tessellation},
     {"simplification", report::study_simplification},
     {"extremes", report::study_extremes},

@@ -21,6 +21,9 @@ std::string point_label(const Row& row) {
   return label;
 }
 
+/// Errors are fractions of the motion.
+bool is_of_time(const Row& row) { return row.study == "time" || row.study == "turning"; }
+
 std::string asked_label(const Row& row) { return row.label.starts_with("width") ? row.label : "asked " + row.label; }
 
 /// Worst error against time, both logarithmic; a line a series, a point a row.
@@ -28,7 +31,7 @@ draw::Plot work_precision(const std::string& title, const std::vector<Row>& rows
   draw::Plot plot{
       .title = title,
       .x = {.label = "time a question, ns (median; bar: range of the repeats)", .scale = Scale::logarithmic},
-      .y = {.label = rows.front().study == "time" ? "worst error, steps" : "worst relative error",
+      .y = {.label = is_of_time(rows.front()) ? "worst error, steps" : "worst relative error",
             .scale = Scale::logarithmic}};
   double labelled_bound = INFINITY;
   draw::Series bounds{.name = "ours: proved bound, worst", .paint = Paint::quiet, .joined = false, .hollow = true};
@@ -93,6 +96,10 @@ std::vector<Figure> work_precision_figures(const std::vector<Row>& rows) {
       work_precision_figure(rows, "time", "Time of contact",
                             "First time at which a moving sphere meets a triangle. The error is in steps (absolute); "
                             "a cross is the proved bound, with the width of bracket that was asked for beside it."),
+      work_precision_figure(rows, "turning", "Time of contact while turning",
+                            "First time at which a box that turns as it flies meets a ball, beside testing so many "
+                            "poses one after the other. The error is in pieces of motion (absolute); a cross is the "
+                            "proved bound, with the width of bracket that was asked for beside it."),
       work_precision_figure(rows, "pair_depth", "Pair contact: depth of two boxes",
                             "Whether two turned boxes share a point, and the shortest translation that parts them."),
   };

@@ -18,6 +18,8 @@ std::vector<Row> study_depth(const Setting& setting);
 std::vector<Row> study_nearest(const Setting& setting);
 /// Time of contact of a moving sphere and a triangle, and the width that is asked for.
 std::vector<Row> study_time(const Setting& setting);
+/// The same of a turning box and a ball.
+std::vector<Row> study_turning(const Setting& setting);
 /// Spheres made of ever more triangles against the sphere itself.
 std::vector<Row> study_tessellation(const Setting& setting);
 /// A mesh made simpler and simpler against the whole one.
