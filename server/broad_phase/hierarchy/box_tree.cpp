@@ -27,8 +27,6 @@ constexpr double kRoom = 0.25;
 /// Boxes that the floats of the tree cannot tell from their neighbours are tested one by one, up to this many: one object far
 /// away must not make a crowd's boxes all alike.
 constexpr std::size_t kMostOutliers = 64;
-/// So few boxes are tested one by one before a ray is made ready for a tree.
-constexpr std::size_t kFewest = 5;
 /// Sizes of an ordinary box within which floats tell boxes apart.
 constexpr double kSharpReach = 0x1p18;
 
@@ -134,8 +132,8 @@ Ref BoxTreeNodes::add(std::span<bvh::Primitive> primitives, const Range& range, 
   return index;
 }
 
-/// Chooses the outliers: boxes without end, all where there are few, and where the rest spans more than floats resolve, those
-/// that lie farthest from the middle one, seen from the size of the middle one.
+/// Chooses the outliers: boxes without end, and where the rest spans more than floats resolve, those that lie farthest from
+/// the middle one, seen from the size of the middle one.
 void BoxTreeNodes::set_aside(std::span<const Aabb> boxes) {
   outliers.clear();
   std::vector<std::uint32_t> bounded;
@@ -150,10 +148,7 @@ void BoxTreeNodes::set_aside(std::span<const Aabb> boxes) {
     bounded.push_back(i);
     whole.extend(boxes[i]);
   }
-  if (bounded.size() < kFewest) {
-    for (const std::uint32_t i : bounded) outliers.push_back({i, boxes[i]});
-    return;
-  }
+  if (bounded.empty()) return;
   const auto middle_of = [&](const auto& value) {
     const auto middle = bounded.begin() + static_cast<std::ptrdiff_t>(bounded.size() / 2);
     std::nth_element(bounded.begin(), middle, bounded.end(),

@@ -18,7 +18,8 @@ namespace {
 /// Nothing is nearer than this, whatever the bound of the hit allows.
 double least_distance(const AnswerHit& hit) { return std::max(0.0, hit.distance_m - hit.error_m); }
 
-/// One question asked of the unknown objects alone.
+/// One question asked of the unknown objects alone. The question itself is answered by now, so that it is no longer given up
+/// for others: a search that ends early would leave it undecided.
 class UnknownQuestion {
  public:
   UnknownQuestion(Question& of, UnknownSpace& unknown) : of_(of), unknown_(unknown), asked_(of.asked) {}
@@ -74,7 +75,7 @@ class UnknownQuestion {
                       .allowed = unknown_.objects,
                       .open_scenes = unknown_.scenes,
                       .found = unknown_.found,
-                      .deadline = of_.deadline};
+                      .deadline = Deadline(asked_.deadline_ns, asked_.called_off)};
     ask_kind(question, n);
     of_.walk.nodes += question.walk.nodes;
     of_.exact_tests += question.exact_tests;

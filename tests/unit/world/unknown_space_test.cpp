@@ -314,5 +314,23 @@ TEST(UnknownSpace, BoxesHoldTheirCellsOnceEach) {
   }
 }
 
+// A busy machine may hold an answering thread up between a question and its look at unknown space.
+TEST(UnknownSpace, AQuestionWhoseTurnIsOverIsNotUndecidedForThat) {
+  std::vector<bool> corners(kSide * kSide * kSide, false);
+  corners.front() = corners.back() = true;
+  World world{WorldOptions{}};
+  ASSERT_TRUE(std::holds_alternative<ObjectId>(world.define(cells_object("corners/unknown", corners, true))));
+  ASSERT_TRUE(world.step(1, 1, {}));
+  QueryScratch scratch;
+  Answers answers;
+  constexpr std::int64_t kLongAgo = 1;
+  // Past an edge of the first cell, so near that it has to be tested.
+  const std::vector<double> ray{-1.04995, 0.95005, -0.075, 1, -1, 0, kInfinity};
+  answer(*world.newest(), {.kind = QuestionKind::ray, .give_up_ns = kLongAgo, .numbers = ray}, answers, scratch);
+  ASSERT_EQ(answers.answers.size(), 1U);
+  EXPECT_EQ(answers.answers[0], Verdict::miss);
+  EXPECT_GT(answers.exact_tests[0], 0U);
+}
+
 }  // namespace
 }  // namespace collided::engine

@@ -15,8 +15,7 @@ constexpr const char* kShown[][2] = {{"ray", "ray, closest hit in a mesh"},
                                      {"box_overlap", "box-triangle depth"},
                                      {"pair_depth", "box-box depth"},
                                      {"nearest", "nearest distance in a mesh"},
-                                     {"time", "time of contact"},
-                                     {"turning", "time of contact, turning"}};
+                                     {"time", "time of contact"}};
 
 bool is_shown(const std::string& series, const std::string& label) {
   if (series == "ours: error asked" || label == "bounded double" || label == "rationals always") return false;
