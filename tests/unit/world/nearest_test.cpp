@@ -12,7 +12,7 @@
 namespace collided::engine {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kSecond_ns = 1'000'000'000;
 
 class NearestTest : public testing::Test {
  protected:
@@ -50,7 +50,7 @@ class NearestTest : public testing::Test {
     const ObjectId ids[] = {object};
     const Pose poses[] = {{.position = at}};
     bool moved[1];
-    const std::int64_t time_ns = start_ns_ + std::llround(after_s * kSecond);
+    const std::int64_t time_ns = start_ns_ + std::llround(after_s * kSecond_ns);
     world_.move(ids, poses, time_ns, teleport, moved);
     EXPECT_TRUE(moved[0]);
     world_.advance(publisher, time_ns);
@@ -63,8 +63,8 @@ class NearestTest : public testing::Test {
       poses.push_back({.position = at});
     }
     bool moved[8];
-    world_.move(ids, poses, start_ns_ + std::llround(after_s * kSecond), false, {moved, ids.size()});
-    world_.advance(1, start_ns_ + std::llround(after_s * kSecond));
+    world_.move(ids, poses, start_ns_ + std::llround(after_s * kSecond_ns), false, {moved, ids.size()});
+    world_.advance(1, start_ns_ + std::llround(after_s * kSecond_ns));
   }
 
   void step() { EXPECT_TRUE(world_.step(now_ns_ += 1'000, 1, {})); }
@@ -105,7 +105,7 @@ class NearestTest : public testing::Test {
     EXPECT_LE(after(event.bracket_high_s) - after(event.bracket_low_s), 20);
   }
 
-  std::int64_t start_ns_ = 1'000 * kSecond;
+  std::int64_t start_ns_ = 1'000 * kSecond_ns;
   std::int64_t now_ns_ = start_ns_;
   World world_{WorldOptions{}};
 };
@@ -220,7 +220,7 @@ TEST_F(NearestTest, ItWaitsForTheSlowerPublisher) {
   step();
   EXPECT_EQ(told(), Lines());
   // a is 4 + 5 t away, b 9: after 1 s.
-  world_.advance(2, start_ns_ + 2 * kSecond);
+  world_.advance(2, start_ns_ + 2 * kSecond_ns);
   step();
   ASSERT_EQ(told(), (Lines{"ended ball_a goes on", "began ball_b"}));
   expect_at(1, 1);
