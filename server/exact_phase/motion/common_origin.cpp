@@ -5,8 +5,8 @@
 namespace collided::engine {
 namespace {
 
-/// So many times farther from the world's origin than the two bodies are from each other on their ways: nearer than that a
-/// rounding is less than a millionth of a billionth of what decides, and a common origin would change it for nothing.
+/// So many times farther from the world's origin than the two bodies are from each other on their ways. Nearer than that a
+/// coordinate is rounded by less than a billionth of their distance, and brackets are as narrow without a common origin.
 constexpr double kFarOut = 0x1p20;
 
 /// x - y is not rounded: the error of the difference (Knuth, The Art of Computer Programming 2, 4.2.2, theorem B) is zero.

@@ -117,7 +117,8 @@ Truth turning_truth(const Flight& flight) {
   return {};
 }
 
-/// The least gap of all samples: where it is next to nothing, whether the two meet is for the samples too hard to tell.
+/// How far the least gap of all samples is from zero. Where that is next to nothing, samples do not show whether the two
+/// meet.
 double least_gap_m(const Flight& flight) {
   const Gap<double> gap(flight);
   double least = gap(0);
