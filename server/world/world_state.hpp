@@ -13,6 +13,7 @@
 #include "server/world/objects/pair_rules.hpp"
 #include "server/world/objects/shared_primitives.hpp"
 #include "server/world/step/decisions.hpp"
+#include "server/world/step/inner_edges.hpp"
 #include "server/world/step/step_motion.hpp"
 #include "server/world/world.hpp"
 
@@ -22,6 +23,10 @@ namespace collided::engine {
 struct World::State {
   explicit State(const WorldOptions& asked) : options(asked), memory(asked.memory) {
     if (asked.held) gather_covers();
+    ledger.set_has_faces([this](ObjectId id) {
+      // Most objects of a large world are balls, which is visible in rows that the step has just read.
+      return !rows[slot_of(id)].is_lone_sphere() && has_flat_faces(*rows.info(slot_of(id)));
+    });
   }
 
   WorldOptions options;

@@ -99,7 +99,8 @@ void ContactLedger::touches(const FoundContact& found) {
 void ContactLedger::open(const OpenContact& opened, const FoundContact& found) {
   const auto number = static_cast<std::uint32_t>(open_.size());
   index_.add(opened.a, opened.b, number);
-  links_.add(place_of(opened.a), place_of(opened.b));
+  links_.add({place_of(opened.a), has_faces(opened.b)}, {place_of(opened.b), has_faces(opened.a)},
+             opened.doubt == Doubt::none);
   reserve_column(open_, open_.size() + 1, 4);
   open_.push_back(opened);
   reserve_column(found_in_step_, open_.size(), 4);
@@ -130,6 +131,7 @@ void ContactLedger::changes_containment(std::uint32_t number, Contained to, cons
   };
   if (open.contained != Contained::none) tell(EventKind::emerged);
   open.contained = to;
+  links_.set_at_faces(number, to == Contained::none);
   if (to != Contained::none) tell(EventKind::contained);
 }
 

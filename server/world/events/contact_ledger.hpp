@@ -59,6 +59,8 @@ class ContactLedger {
 
   /// Sets which pairs are allowed to touch: what is found of them is no contact. Empty: none.
   void set_allowed(std::function<bool(ObjectId, ObjectId)> is_allowed) { is_allowed_ = std::move(is_allowed); }
+  /// Sets which objects have flat faces, by their ids; an object's answer must stay the same. Empty: none.
+  void set_has_faces(std::function<bool(ObjectId)> has_faces) { has_faces_ = std::move(has_faces); }
   /// Ends the contacts and doubts of pairs that are allowed to touch by now.
   void end_allowed();
   /// Starts a step: drops the last step's events. persisted_wanted: touches() writes an event for what continues.
@@ -140,8 +142,14 @@ class ContactLedger {
   std::size_t doubt_count() const { return doubt_count_; }
   /// Whether open()[index] was found in this step.
   bool found(std::size_t index) const { return found_in_step_[index] == step_; }
-  /// The object in that slot has two contacts or doubts, or more.
-  bool has_several(std::uint32_t slot) const { return links_.has_several(slot); }
+  /// How many contacts at flat faces the object in that slot has: with bodies that have some, without doubt, and with
+  /// neither of the two within the other. Costs nothing, however many there are.
+  std::uint32_t face_count(std::uint32_t slot) const { return links_.face_count(slot); }
+  /// Calls visit(index into open()) for these, until one returns false.
+  template <class Visit>
+  void for_each_at_faces(std::uint32_t slot, Visit&& visit) const {
+    links_.for_each_at_faces(slot, visit);
+  }
   /// Calls visit(index into open()) for the contacts and doubts of the object in that slot, until one returns false.
   template <class Visit>
   void for_each_of(std::uint32_t slot, Visit&& visit) const {
@@ -160,6 +168,7 @@ class ContactLedger {
 
  private:
   bool passes(ObjectId a, ObjectId b) const { return is_allowed_ && is_allowed_(a, b); }
+  bool has_faces(ObjectId id) const { return has_faces_ && has_faces_(id); }
 
   struct Pair {
     ObjectId a;
@@ -205,6 +214,7 @@ class ContactLedger {
   std::int64_t world_time_ns_ = 0;
   bool persisted_wanted_ = false;
   std::function<bool(ObjectId, ObjectId)> is_allowed_;
+  std::function<bool(ObjectId)> has_faces_;
 };
 
 }  // namespace collided::engine

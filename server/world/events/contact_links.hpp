@@ -9,37 +9,45 @@
 namespace collided::engine {
 
 /// Which open contacts each object has: two-way lists through the contacts, so that what happens to one object costs
-/// its own contacts and not all of them. Contacts are known by number, objects by slot.
+/// its own contacts and not all of them. Contacts are known by number, objects by slot. Each object has two lists: its
+/// contacts at flat faces, and the others.
 /// Always: the numbers are 0 .. count - 1.
 class ContactLinks {
  public:
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  /// The next number is the contact of these two.
-  void add(std::uint32_t slot_a, std::uint32_t slot_b) {
-    for (const std::uint32_t slot : {slot_a, slot_b}) {
-      const auto link = static_cast<std::uint32_t>(links_.size());
-      if (slot >= first_.size()) first_.resize(slot + 1, kNone);
+  /// One of the two objects of a contact.
+  struct Side {
+    std::uint32_t slot = 0;
+    bool meets_faces = false;  // the other one has flat faces
+  };
+
+  /// The next number is the contact of these two. is_at_faces: see set_at_faces().
+  void add(const Side& a, const Side& b, bool is_at_faces) {
+    for (const Side& side : {a, b}) {
+      if (side.slot >= lists_.size()) lists_.resize(side.slot + 1);
       reserve_column(links_, links_.size() + 1, 4);
-      const std::uint32_t after = first_[slot];
-      if (after != kNone) links_[after].before = link;
-      links_.push_back({slot, kNone, after});
-      first_[slot] = link;
+      links_.push_back({.slot = side.slot & kSlotBits, .meets_faces = side.meets_faces});
+      put_first(static_cast<std::uint32_t>(links_.size() - 1), side.meets_faces && is_at_faces);
+    }
+  }
+  /// Whether the contact counts as one at flat faces for those of its objects that meet any.
+  void set_at_faces(std::uint32_t number, bool is_at_faces) {
+    for (const std::uint32_t link : {2 * number, 2 * number + 1}) {
+      if (!links_[link].meets_faces || (links_[link].is_at_faces != 0) == is_at_faces) continue;
+      take_out(link);
+      put_first(link, is_at_faces);
     }
   }
   /// Removes a contact; the last one gets its number.
   void remove(std::uint32_t number) {
-    for (const std::uint32_t side : {0, 1}) {
-      const Link& gone = links_[2 * number + side];
-      (gone.before != kNone ? links_[gone.before].after : first_[gone.slot]) = gone.after;
-      if (gone.after != kNone) links_[gone.after].before = gone.before;
-    }
+    for (const std::uint32_t side : {0, 1}) take_out(2 * number + side);
     const auto last = static_cast<std::uint32_t>(links_.size() / 2 - 1);
     if (number != last) {
       for (const std::uint32_t side : {0, 1}) {
         const std::uint32_t link = 2 * number + side;
         const Link& moved = links_[link] = links_[2 * last + side];
-        (moved.before != kNone ? links_[moved.before].after : first_[moved.slot]) = link;
+        (moved.before != kNone ? links_[moved.before].after : first_of(moved)) = link;
         if (moved.after != kNone) links_[moved.after].before = link;
       }
     }
@@ -47,29 +55,60 @@ class ContactLinks {
   }
   /// Gives memory back that most of the contacts took which are gone.
   void give_back() { links_.shrink_to_fit(); }
-  /// The object has two contacts or more.
-  bool has_several(std::uint32_t slot) const {
-    return slot < first_.size() && first_[slot] != kNone && links_[first_[slot]].after != kNone;
+  /// How many contacts at flat faces the object has.
+  std::uint32_t face_count(std::uint32_t slot) const { return slot < lists_.size() ? lists_[slot].face_count : 0; }
+  /// Calls visit(number) for these, the latest first, until one returns false; the visit must not add or remove any.
+  template <class Visit>
+  void for_each_at_faces(std::uint32_t slot, Visit&& visit) const {
+    if (slot < lists_.size()) visit_from(lists_[slot].first[1], visit);
   }
-  /// Calls visit(number) for the object's contacts, the latest first, until one returns false; the visit must not add
-  /// or remove any.
+  /// The same for all contacts of the object: those at flat faces, then the others.
   template <class Visit>
   void for_each(std::uint32_t slot, Visit&& visit) const {
-    if (slot >= first_.size()) return;
-    for (std::uint32_t link = first_[slot]; link != kNone; link = links_[link].after) {
-      if (!visit(link / 2)) return;
-    }
+    if (slot < lists_.size() && visit_from(lists_[slot].first[1], visit)) visit_from(lists_[slot].first[0], visit);
   }
 
  private:
+  static constexpr std::uint32_t kSlotBits = (1U << 30) - 1;  // far more than fit into memory
   struct Link {
-    std::uint32_t slot;
-    std::uint32_t before;
-    std::uint32_t after;
+    std::uint32_t slot : 30 = 0;
+    std::uint32_t meets_faces : 1 = 0;
+    std::uint32_t is_at_faces : 1 = 0;  // which list it stands in
+    std::uint32_t before = kNone;
+    std::uint32_t after = kNone;
+  };
+  struct Lists {
+    std::uint32_t first[2] = {kNone, kNone};  // of the others, of those at flat faces
+    std::uint32_t face_count = 0;
   };
 
-  std::vector<std::uint32_t> first_;  // by slot
-  std::vector<Link> links_;           // two a contact, one for each object
+  std::uint32_t& first_of(const Link& link) { return lists_[link.slot].first[link.is_at_faces]; }
+  void put_first(std::uint32_t number, bool is_at_faces) {
+    Link& link = links_[number];
+    link.is_at_faces = is_at_faces;
+    lists_[link.slot].face_count += link.is_at_faces;
+    std::uint32_t& first = first_of(link);
+    if (first != kNone) links_[first].before = number;
+    link.before = kNone;
+    link.after = first;
+    first = number;
+  }
+  void take_out(std::uint32_t number) {
+    const Link& gone = links_[number];
+    lists_[gone.slot].face_count -= gone.is_at_faces;
+    (gone.before != kNone ? links_[gone.before].after : first_of(gone)) = gone.after;
+    if (gone.after != kNone) links_[gone.after].before = gone.before;
+  }
+  template <class Visit>
+  bool visit_from(std::uint32_t first, Visit&& visit) const {
+    for (std::uint32_t link = first; link != kNone; link = links_[link].after) {
+      if (!visit(link / 2)) return false;
+    }
+    return true;
+  }
+
+  std::vector<Lists> lists_;  // by slot
+  std::vector<Link> links_;   // two a contact, one for each object
 };
 
 }  // namespace collided::engine

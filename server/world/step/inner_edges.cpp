@@ -33,12 +33,6 @@ bool has_faces(const Primitive& primitive) {
          std::holds_alternative<HalfSpace>(primitive);
 }
 
-bool has_faces(const ObjectInfo& info) {
-  if (info.scene_part != kNoScenePart || info.mesh) return true;
-  return info.primitives.size() <= kMostPrimitives &&
-         std::any_of(info.primitives.begin(), info.primitives.end(), [](const Primitive& p) { return has_faces(p); });
-}
-
 /// A contact seen from one of its two bodies, the mover.
 struct MoverContact {
   ObjectId mover = 0;
@@ -49,11 +43,6 @@ struct MoverContact {
   mutable std::optional<Box> box{};  // the body as placed, once it was asked for
   // Another contact's normal separates the mover from this body too.
   bool is_covered = false;
-};
-
-struct ContactOf {
-  std::uint32_t slot = 0;    // of the mover
-  std::uint32_t number = 0;  // of the open contact
 };
 
 struct Corrected {
@@ -71,14 +60,16 @@ class Correction {
     corrected_.clear();
     movers_.clear();
     for (const std::uint32_t slot : ledger_.found_slots()) {
-      if (rows_.source(slot) != Sources::kResting && ledger_.has_several(slot)) movers_.push_back(slot);
+      const std::uint32_t side_count = ledger_.face_count(slot);
+      if (side_count < 2 || side_count > kMostContacts || rows_.source(slot) == Sources::kResting) continue;
+      movers_.push_back(slot);
     }
     for (std::size_t first = 0; first < movers_.size(); first += kAhead) {
       const auto some = std::span(movers_).subspan(first, std::min(kAhead, movers_.size() - first));
       prefetch(some);
       for (const std::uint32_t slot : some) {
         collect(slot);
-        if (sides_.size() >= 2 && sides_.size() <= kMostContacts) look_at();
+        look_at();
       }
     }
     // Where both objects of a contact are movers, the one with the higher id has the last word.
@@ -96,44 +87,29 @@ class Correction {
   void prefetch(std::span<const std::uint32_t> movers) {
     ahead_.clear();
     for (const std::uint32_t slot : movers) {
-      __builtin_prefetch(&rows_[slot].lone_radius_m);
-      ledger_.for_each_of(slot, [&](std::uint32_t number) {
-        ahead_.push_back({slot, number});
+      ledger_.for_each_at_faces(slot, [&](std::uint32_t number) {
+        ahead_.push_back(number);
         return true;
       });
     }
-    for (const ContactOf& next : ahead_) ledger_.prefetch_contact(next.number);
-    for (const ContactOf& next : ahead_) {
-      const OpenContact& open = ledger_.open()[next.number];
-      const std::uint32_t body = slot_of(slot_of(open.a) == next.slot ? open.b : open.a);
-      __builtin_prefetch(&rows_[body].lone_radius_m);
-      __builtin_prefetch(&rows_.info(body)->primitives);
-      __builtin_prefetch(&rows_.info(body)->scene_part);
-    }
+    for (const std::uint32_t number : ahead_) ledger_.prefetch_contact(number);
   }
 
-  /// The mover's contacts with bodies that have faces, found in this step or before, by body.
+  /// The mover's contacts with bodies that have faces, found in this step or before, by body. Others are left out: a doubt
+  /// has no normal, and a thing within a solid touches no face.
   void collect(std::uint32_t slot) {
     sides_.clear();
-    const bool is_sphere = rows_[slot].is_lone_sphere();
-    ledger_.for_each_of(slot, [&](std::uint32_t number) {
+    ledger_.for_each_at_faces(slot, [&](std::uint32_t number) {
       const OpenContact& open = ledger_.open()[number];
-      // A doubt has no normal, and a thing within a solid touches no face.
-      if (open.doubt != Doubt::none || open.contained != Contained::none) return true;
       const bool is_first = slot_of(open.a) == slot;
-      const ObjectId body = is_first ? open.b : open.a;
-      // Most contacts of a large world are between two balls, which is visible in rows that the step has just read.
-      if (is_sphere && rows_[slot_of(body)].is_lone_sphere()) return true;
-      if (!has_faces(info(body))) return true;
       sides_.push_back({.mover = is_first ? open.a : open.b,
                         .number = number,
-                        .body = body,
+                        .body = is_first ? open.b : open.a,
                         .triangle = is_first ? open.b_triangle : open.a_triangle,
                         .normal = is_first ? open.contact.normal : Vec3(-open.contact.normal),
                         .is_covered = false});
-      return sides_.size() <= kMostContacts;
+      return true;
     });
-    if (sides_.size() < 2 || sides_.size() > kMostContacts) return;
     std::sort(sides_.begin(), sides_.end(),
               [](const MoverContact& x, const MoverContact& y) { return x.body < y.body; });
   }
@@ -282,17 +258,23 @@ class Correction {
   ContactLedger& ledger_;
   // Reused from step to step.
   static thread_local std::vector<std::uint32_t> movers_;
-  static thread_local std::vector<ContactOf> ahead_;
+  static thread_local std::vector<std::uint32_t> ahead_;
   static thread_local std::vector<MoverContact> sides_;
   static thread_local std::vector<Corrected> corrected_;
 };
 
 thread_local std::vector<std::uint32_t> Correction::movers_;
-thread_local std::vector<ContactOf> Correction::ahead_;
+thread_local std::vector<std::uint32_t> Correction::ahead_;
 thread_local std::vector<MoverContact> Correction::sides_;
 thread_local std::vector<Corrected> Correction::corrected_;
 
 }  // namespace
+
+bool has_flat_faces(const ObjectInfo& info) {
+  if (info.scene_part != kNoScenePart || info.mesh) return true;
+  return info.primitives.size() <= kMostPrimitives &&
+         std::any_of(info.primitives.begin(), info.primitives.end(), [](const Primitive& p) { return has_faces(p); });
+}
 
 void correct_inner_edges(const ObjectRows& rows, const StepMotion& motion, const SceneList& scenes,
                          ContactLedger& ledger) {

@@ -9,6 +9,9 @@
 
 namespace collided::engine {
 
+/// Its flat faces may form one surface with those of other bodies: a few primitives of which some have faces, or a mesh.
+bool has_flat_faces(const ObjectInfo& info);
+
 /// Corrects contacts at inner edges of a surface made of several bodies: they get the normal of the face. Otherwise a
 /// ball that rolls from a box onto its neighbour would stumble over the edge between them.
 ///
@@ -19,6 +22,8 @@ namespace collided::engine {
 ///
 /// limits   "no farther" allows for the rounding of placing both. Bodies count if they have flat faces and at most 16
 /// primitives; a mover with more than 64 such contacts is left as it is
+/// cost     follows the objects with a contact found in this step, and of the contacts of those that are not left as they
+/// are, those at flat faces
 /// threads  the writer's, after all contacts of a step are found
 void correct_inner_edges(const ObjectRows& rows, const StepMotion& motion, const SceneList& scenes,
                          ContactLedger& ledger);

@@ -375,9 +375,58 @@ TEST(ContactLedger, EqualsAPlainMapWhateverBeginsAndEnds) {
         return entry.first.first == slot || entry.first.second == slot;
       });
       ASSERT_EQ(listed.size(), static_cast<std::size_t>(expected)) << "slot " << slot << ", step " << step;
-      ASSERT_EQ(ledger.has_several(slot), expected >= 2) << "slot " << slot << ", step " << step;
     }
   }
+}
+
+// Random contacts, doubts and containments of objects of which two thirds have faces: each object's contacts at faces are
+// those that a search through all of its contacts finds.
+TEST(ContactLedger, ContactsAtFacesAreThoseOfAPlainSearch) {
+  std::mt19937_64 random = oracle::seeded(20261130);
+  constexpr std::uint32_t kObjects = 40;
+  const auto has_faces = [](ObjectId id) { return id % 3 != 0; };
+  ContactLedger ledger;
+  ledger.set_has_faces(has_faces);
+  std::size_t most_at_faces = 0;
+  for (std::uint64_t step = 1; step <= 400; ++step) {
+    ledger.begin_step(static_cast<std::int64_t>(step), false);
+    if (step % 40 == 0) ledger.end_object(random() % kObjects, EndReason::removed);
+    if (step % 40 == 20) ledger.lose(random() % kObjects);
+    if (step % 40 == 30) {
+      for (ObjectId id = 0; id < kObjects; ++id) ledger.find_again(id);
+    }
+    for (int i = 0; i < 60; ++i) {
+      const ObjectId one = random() % kObjects;
+      const ObjectId other = random() % kObjects;
+      if (one == other) continue;
+      FoundContact found = pair_of(std::min(one, other), std::max(one, other));
+      const std::uint64_t kind = random() % 8;
+      if (kind < 2) found.contained = kind == 0 ? Contained::a_in_b : Contained::b_in_a;
+      if (kind == 2) ledger.doubts(found, Doubt::numeric);
+      else ledger.touches(found);
+    }
+    std::vector<std::uint32_t> moved;
+    for (std::uint32_t slot = 0; slot < kObjects; ++slot) {
+      if (random() % 6 == 0) moved.push_back(slot);
+    }
+    ledger.end_unfound(moved, [](const OpenContact&) { return ContactEnd{.reason = EndReason::separated}; });
+    ledger.finish_step();
+    for (std::uint32_t slot = 0; slot < kObjects; ++slot) {
+      std::set<std::uint32_t> expected;
+      for (std::uint32_t number = 0; number < ledger.open().size(); ++number) {
+        const OpenContact& open = ledger.open()[number];
+        if (slot_of(open.a) != slot && slot_of(open.b) != slot) continue;
+        if (open.doubt != Doubt::none || open.contained != Contained::none) continue;
+        if (has_faces(slot_of(open.a) == slot ? open.b : open.a)) expected.insert(number);
+      }
+      std::set<std::uint32_t> listed;
+      ledger.for_each_at_faces(slot, [&](std::uint32_t number) { return listed.insert(number).second; });
+      ASSERT_EQ(listed, expected) << "slot " << slot << ", step " << step;
+      ASSERT_EQ(ledger.face_count(slot), expected.size()) << "slot " << slot << ", step " << step;
+      most_at_faces = std::max(most_at_faces, expected.size());
+    }
+  }
+  EXPECT_GT(most_at_faces, 10u);
 }
 
 }  // namespace
