@@ -27,11 +27,8 @@ void count_objects(const Snapshot& state, StatusColumns& status) {
     status.static_triangles += scene->mesh.triangles.size();
     status.scenes += (status.scenes.empty() ? "" : "\n") + scene->name;
   }
-  status.object_count = status.moving_count = 0;
-  for (const auto& info : *state.objects) {
-    status.object_count += info ? 1 : 0;
-    status.moving_count += info && info->moving ? 1 : 0;
-  }
+  status.object_count = state.objects.counts().objects;
+  status.moving_count = state.objects.counts().moving;
 }
 
 }  // namespace

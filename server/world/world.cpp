@@ -171,8 +171,7 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
   const std::vector<std::shared_ptr<const WindingMesh>> windings = std::move(indexed.geometry->object_windings);
   SceneList::Scenes scenes(s.scenes.begin(), s.scenes.end());
   scenes.push_back(indexed.geometry);
-  s.scenes = SceneList(std::move(scenes));
-  s.apart.clear();
+  s.set_scenes(std::move(scenes));
   for (std::size_t i = 0; i < scene.objects.size(); ++i) {
     const SceneObject& object = scene.objects[i];
     [[maybe_unused]] const auto defined = define({.name = object.name,
@@ -190,6 +189,12 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
   }
   s.rows.place_all_movers_again();
   return static_cast<std::uint32_t>(scene.parts.size() + scene.objects.size());
+}
+
+void World::State::set_scenes(SceneList::Scenes loaded) {
+  scenes = SceneList(std::move(loaded));
+  rows.note_scenes();
+  apart.clear();
 }
 
 void World::State::gather_covers() {
@@ -225,12 +230,11 @@ std::uint32_t World::remove_scene(std::string_view name) {
   }
   SceneList::Scenes scenes(s.scenes.begin(), s.scenes.end());
   std::erase_if(scenes, [&](const auto& scene) { return scene->name == name; });
-  s.scenes = SceneList(std::move(scenes));
+  s.set_scenes(std::move(scenes));
   if (const auto covers = s.covers_of.find(name); covers != s.covers_of.end()) {
     s.covers_of.erase(covers);
     s.gather_covers();
   }
-  s.apart.clear();
   return removed_count;
 }
 

@@ -81,6 +81,7 @@ struct World::State {
   void join_parent(ObjectId child, ObjectId parent);
   void take_pivot(ObjectId id);
   void settle_attachments();
+  void set_scenes(SceneList::Scenes loaded);
   void gather_covers();
 };
 

@@ -289,7 +289,7 @@ class WorldTwin : public testing::Test {
     const SnapshotRing::Lease now = world_->newest();
     EXPECT_EQ(now->world_time_ns, now_ns_);
     std::size_t count = 0;
-    for (const auto& info : *now->objects) {
+    for (const auto& info : now->objects) {
       if (!info) continue;
       if (info->scene_part != 0xffffffff) {
         EXPECT_EQ(now->poses[slot_of(info->id)].position, Vec3::Zero()) << info->name;

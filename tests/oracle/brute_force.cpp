@@ -20,10 +20,10 @@ using namespace engine;
 namespace {
 
 bool may_answer(const Snapshot& snapshot, const Questions& questions, ObjectId id) {
-  return ((*snapshot.objects)[slot_of(id)]->filter.layers & questions.mask) != 0;
+  return (snapshot.objects[slot_of(id)]->filter.layers & questions.mask) != 0;
 }
 
-const std::string& name_of(const Snapshot& snapshot, ObjectId id) { return (*snapshot.objects)[slot_of(id)]->name; }
+const std::string& name_of(const Snapshot& snapshot, ObjectId id) { return snapshot.objects[slot_of(id)]->name; }
 
 /// What is equally far or deep stands by name, then by triangle.
 bool precedes(const Snapshot& snapshot, const AnswerHit& a, const AnswerHit& b) {
@@ -60,7 +60,7 @@ bool earlier(const Snapshot& snapshot, const Ray& ray, const RayFound& a, const 
 /// Of the triangle, or of all primitives that the part is one of.
 double placing_of_object(const Snapshot& snapshot, const Part& part, const Aabb& asked) {
   if (part.frame == nullptr) return 0;
-  const Placed object{.info = (*snapshot.objects)[slot_of(part.object)].get(), .frame = *part.frame, .bounds = {}};
+  const Placed object{.info = snapshot.objects[slot_of(part.object)].get(), .frame = *part.frame, .bounds = {}};
   return placing_error_m(object, part.triangle, asked);
 }
 
@@ -229,7 +229,7 @@ std::vector<Part> all_parts(const Snapshot& snapshot) {
           {scene->part_objects[number], t - scene->parts[number].first_triangle, scene->mesh.triangle(t), {}});
     }
   }
-  for (const auto& info : *snapshot.objects) {
+  for (const auto& info : snapshot.objects) {
     if (!info) continue;
     const auto kept = std::make_shared<const Frame>(snapshot.frame(slot_of(info->id)));
     const Frame& frame = *kept;
@@ -288,8 +288,8 @@ std::set<std::pair<ObjectId, ObjectId>> touching_pairs(const Snapshot& snapshot)
     for (std::size_t j = i + 1; j < parts.size(); ++j) {
       const ObjectId a = std::min(parts[i].object, parts[j].object);
       const ObjectId b = std::max(parts[i].object, parts[j].object);
-      const ObjectInfo& info_a = *(*snapshot.objects)[slot_of(a)];
-      const ObjectInfo& info_b = *(*snapshot.objects)[slot_of(b)];
+      const ObjectInfo& info_a = *snapshot.objects[slot_of(a)];
+      const ObjectInfo& info_b = *snapshot.objects[slot_of(b)];
       if (a == b || (!info_a.moving && !info_b.moving) || !may_meet(info_a, info_b)) continue;
       if (meet(placed(parts[i]), given(parts[i]), placed(parts[j]), given(parts[j]))) pairs.emplace(a, b);
     }

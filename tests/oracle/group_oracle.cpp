@@ -47,8 +47,8 @@ std::vector<PlainClearance> plain_clearances(const Snapshot& snapshot, const std
   std::set<std::pair<ObjectId, ObjectId>> seen;
   for (const ObjectId a : from) {
     for (const ObjectId b : to) {
-      const ObjectInfo& info_a = *(*snapshot.objects)[slot_of(a)];
-      const ObjectInfo& info_b = *(*snapshot.objects)[slot_of(b)];
+      const ObjectInfo& info_a = *snapshot.objects[slot_of(a)];
+      const ObjectInfo& info_b = *snapshot.objects[slot_of(b)];
       if (a == b || !seen.insert(std::minmax(a, b)).second) continue;
       if (!with_filtered && !may_meet(info_a, info_b)) continue;
       if (parts[a].empty() || parts[b].empty()) continue;

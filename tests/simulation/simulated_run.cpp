@@ -203,7 +203,7 @@ void SimulatedRun::settle_truth() {
       return entry.second.name == name && (at == nullptr || entry.second.position == *at);
     });
   };
-  for (const auto& info : *newest->objects) {
+  for (const auto& info : newest->objects) {
     if (!info) continue;
     const auto is_claimed = [&](const Vec3* at) {
       return std::any_of(hosts_.begin(), hosts_.end(), [&](const Host& host) { return claims(host, info->name, at); });

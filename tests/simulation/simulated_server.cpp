@@ -26,7 +26,7 @@ struct Ball {
 std::vector<Ball> balls_of(const World& world) {
   const SnapshotRing::Lease newest = world.newest();
   std::vector<Ball> balls;
-  for (const auto& info : *newest->objects) {
+  for (const auto& info : newest->objects) {
     if (!info) continue;
     const auto& local = std::get<Sphere>(info->primitives.front());
     balls.push_back({info->id, &info->name, place(newest->frame(slot_of(info->id)), local)});

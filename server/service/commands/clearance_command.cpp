@@ -22,7 +22,7 @@ const char* word_of(Decision touches) {
 
 json described(const MemberPair& pair, const Snapshot& state, bool with_certificate) {
   static constexpr const char* kContained[] = {"", "a", "b"};
-  const auto info_of = [&](ObjectId id) -> const ObjectInfo& { return *(*state.objects)[slot_of(id)]; };
+  const auto info_of = [&](ObjectId id) -> const ObjectInfo& { return *state.objects[slot_of(id)]; };
   const ObjectClearance& found = pair.clearance;
   json row{{"a", info_of(pair.a).name},
            {"b", info_of(pair.b).name},
@@ -51,7 +51,7 @@ constexpr std::uint64_t kMostCertificates = 1'000;
 std::uint64_t parts_of(const Snapshot& state, const std::vector<ObjectId>& ids) {
   std::uint64_t count = 0;
   for (const ObjectId id : ids) {
-    const ObjectInfo& info = *(*state.objects)[slot_of(id)];
+    const ObjectInfo& info = *state.objects[slot_of(id)];
     count += info.primitives.size() + (info.mesh ? info.mesh->mesh->triangles.size() : info.part_triangles);
   }
   return count;

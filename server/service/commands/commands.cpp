@@ -239,7 +239,7 @@ json Commands::list(const Arguments& arguments) const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
   json objects = json::array();
   std::uint64_t count = 0;
-  for (const auto& info : *state->objects) {
+  for (const auto& info : state->objects) {
     if (!info || (moving && info->moving != *moving)) continue;
     if (!glob.empty() && !glob_matches(glob, info->name)) continue;
     if (count++ >= limit) continue;
@@ -366,9 +366,7 @@ ObjectId Commands::find_object(const std::string& name) const {
   if (const std::optional<ObjectId> id = with_.loop.world().find(name)) {
     // Defined since the last step: a step puts it into the snapshot.
     const SnapshotRing::Lease state = with_.loop.world().newest();
-    const bool shown = slot_of(*id) < state->objects->size() && (*state->objects)[slot_of(*id)] &&
-                       (*state->objects)[slot_of(*id)]->id == *id;
-    if (!shown) with_.loop.step_now();
+    if (state->objects.find(*id) == nullptr) with_.loop.step_now();
     return *id;
   }
   std::vector<std::string_view> others;

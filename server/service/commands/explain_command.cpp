@@ -36,7 +36,7 @@ std::string attached_of(const Snapshot& state, ObjectId a, ObjectId b) {
   if (!state.parents) return {};
   for (const auto& [child, parent] : {std::pair(a, b), std::pair(b, a)}) {
     const auto found = state.parents->find(child);
-    if (found != state.parents->end() && found->second == parent) return (*state.objects)[slot_of(child)]->name;
+    if (found != state.parents->end() && found->second == parent) return state.objects[slot_of(child)]->name;
   }
   return {};
 }

@@ -96,7 +96,7 @@ Commands::AskedEvent Commands::asked_event(const AwaitedJob& job) const {
                                                   span.first, span.last),
                      is_of_fence ? "" : "collide explain event SEQ --of fences asks about one of a fence");
   }
-  const double objects = static_cast<double>(with_.loop.world().newest()->objects->size());
+  const double objects = static_cast<double>(with_.loop.world().newest()->objects.size());
   return {.recent = std::move(*recent),
           .is_of_fence = is_of_fence,
           .deadline_ns = job.deadline_ns,

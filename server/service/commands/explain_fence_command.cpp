@@ -20,7 +20,7 @@ constexpr double kFenceCost = 10'000;
 
 json described(const FenceStanding& standing, const Snapshot& state) {
   static constexpr const char* kWords[] = {"outside", "inside", "undecided"};
-  json row{{"object", (*state.objects)[slot_of(standing.object)]->name},
+  json row{{"object", state.objects[slot_of(standing.object)]->name},
            {"answer", kWords[static_cast<std::size_t>(standing.is_in)]},
            {"clearance", number_or_inf(standing.distance_m)},
            {"error", number_or_inf(standing.error_m)}};

@@ -89,7 +89,7 @@ class RayTeller {
   json name(ObjectId id) const { return info_of(id).name; }
 
  private:
-  const ObjectInfo& info_of(ObjectId id) const { return *(*state_.objects)[slot_of(id)]; }
+  const ObjectInfo& info_of(ObjectId id) const { return *state_.objects[slot_of(id)]; }
 
   const Snapshot& state_;
   const RayExplanationAsk& ask_;
@@ -143,7 +143,7 @@ Commands::AskedRay Commands::asked_ray(const AwaitedJob& job) const {
     asked.options.why_not = find_shown(asked.state(), name);
   asked.deadline_ns = job.deadline_ns;
   asked.called_off = &job.called_off;
-  asked.cost = static_cast<double>(asked.state().objects->size()) / kObjectsPerCost;
+  asked.cost = static_cast<double>(asked.state().objects.size()) / kObjectsPerCost;
   for (const auto& scene : asked.state().scenes) asked.cost += static_cast<double>(scene->mesh.triangles.size());
   return asked;
 }

@@ -158,7 +158,7 @@ namespace {
 /// Parts of loaded scenes that a margin's globs match, which have no bands.
 std::uint64_t matching_parts(const FenceDefinition& margin, const Snapshot& state) {
   std::uint64_t count = 0;
-  for (const auto& info : *state.objects) {
+  for (const auto& info : state.objects) {
     if (!info || info->scene_part == kNoScenePart) continue;
     const auto is_of = [&](const std::string& glob) { return wire_contract::glob_matches(glob, info->name); };
     if ((is_of(margin.margin->around) || is_of(margin.only)) && !(!margin.skip.empty() && is_of(margin.skip))) ++count;

@@ -71,7 +71,7 @@ class ObjectsEncoder {
   std::string finish() {
     flatbuffers::FlatBufferBuilder& builder = encoder_.builder();
     const auto objects = builder.CreateVector(objects_);
-    builder.Finish(format::CreateShownObjects(builder, state_.epoch, state_.version, state_.table_version,
+    builder.Finish(format::CreateShownObjects(builder, state_.epoch, state_.version, state_.objects.version(),
                                               state_.world_time_ns, objects));
     return text_of(builder);
   }
@@ -144,7 +144,7 @@ Edges edges_of(const SurfaceNumbers::Found& surface, double crease_cosine) {
 std::string encode_objects(const Snapshot& state, const std::function<bool(const ObjectInfo&)>& wanted,
                            SurfaceNumbers& numbers) {
   ObjectsEncoder encoder(state, numbers);
-  for (const auto& info : *state.objects) {
+  for (const auto& info : state.objects) {
     if (info && wanted(*info)) encoder.add(*info);
   }
   return encoder.finish();
@@ -171,7 +171,7 @@ std::string encode_surface(const SurfaceNumbers::Found& surface, std::optional<d
 
 std::string encode_poses(const Snapshot& state) {
   std::vector<std::uint64_t> ids;
-  for (const auto& info : *state.objects) {
+  for (const auto& info : state.objects) {
     if (info && info->moving) ids.push_back(info->id);
   }
   if (ids.size() > kMaxPosesReported) {
@@ -192,7 +192,7 @@ std::string encode_poses(const Snapshot& state) {
   const auto id_vector = builder.CreateVector(ids);
   const auto pose_vector = builder.CreateVector(numbers);
   const auto stale_vector = builder.CreateVector(stale);
-  builder.Finish(format::CreatePoses(builder, state.epoch, state.version, state.table_version, state.world_time_ns,
+  builder.Finish(format::CreatePoses(builder, state.epoch, state.version, state.objects.version(), state.world_time_ns,
                                      id_vector, pose_vector, stale_vector));
   return text_of(builder);
 }

@@ -103,7 +103,7 @@ std::string_view kind_of(const ObjectInfo& info) {
 
 ObjectId find_shown(const Snapshot& state, const std::string& name) {
   std::vector<std::string_view> others;
-  for (const auto& info : *state.objects) {
+  for (const auto& info : state.objects) {
     if (!info) continue;
     if (info->name == name) return info->id;
     others.push_back(info->name);
@@ -112,7 +112,7 @@ ObjectId find_shown(const Snapshot& state, const std::string& name) {
 }
 
 void require_whole(const Snapshot& state, ObjectId id, const std::string& command) {
-  const ObjectInfo& info = *(*state.objects)[slot_of(id)];
+  const ObjectInfo& info = *state.objects[slot_of(id)];
   if (info.rare->cut.is_whole()) return;
   throw BadCommand(fmt::format("{}: of {} this shard holds {} of {} triangles: one that it lacks may be nearer",
                                command, printable(info.name), triangles_of(info), info.rare->cut.whole_count),
@@ -143,7 +143,7 @@ nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info
               {"stale", snapshot.stale[slot] != 0}};
   if (snapshot.parents) {
     if (const auto parent = snapshot.parents->find(info.id); parent != snapshot.parents->end())
-      object["attached_to"] = (*snapshot.objects)[slot_of(parent->second)]->name;
+      object["attached_to"] = snapshot.objects[slot_of(parent->second)]->name;
   }
   return object;
 }

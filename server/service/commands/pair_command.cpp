@@ -132,7 +132,7 @@ Commands::AskedPair Commands::asked_pair(const AwaitedJob& job) const {
       .called_off = &job.called_off};
   asked.is_fcl_asked = wants_opinion(arguments);
   for (const ObjectId id : {asked.a, asked.b}) {
-    const ObjectInfo& info = *(*asked.state().objects)[slot_of(id)];
+    const ObjectInfo& info = *asked.state().objects[slot_of(id)];
     if (!has_parts(info))
       throw BadCommand(fmt::format("{}: object {} has no part", arguments.command(), printable(info.name)));
     require_whole(asked.state(), id, arguments.command());

@@ -19,7 +19,7 @@ using wire_contract::glob_matches;
 
 std::vector<ObjectId> chosen_from(const Snapshot& state, const std::function<bool(const ObjectInfo&)>& is_meant) {
   std::vector<ObjectId> chosen;
-  for (const auto& info : *state.objects) {
+  for (const auto& info : state.objects) {
     if (info && is_meant(*info)) chosen.push_back(info->id);
   }
   return chosen;
@@ -28,7 +28,7 @@ std::vector<ObjectId> chosen_from(const Snapshot& state, const std::function<boo
 Refusal unknown_group(const Snapshot& state, const std::string& what, const std::string& text) {
   std::vector<std::string_view> names;
   std::set<std::string_view> scenes;
-  for (const auto& info : *state.objects) {
+  for (const auto& info : state.objects) {
     if (!info) continue;
     names.push_back(info->name);
     if (!info->rare->scene.empty()) scenes.insert(info->rare->scene);
@@ -53,7 +53,7 @@ std::variant<std::vector<ObjectId>, Refusal> objects_meant(const Snapshot& state
   if (meant.empty()) meant = chosen_from(state, [&](const ObjectInfo& info) { return info.rare->scene == text; });
   if (meant.empty()) meant = chosen_from(state, [&](const ObjectInfo& info) { return glob_matches(text, info.name); });
   if (meant.empty()) return unknown_group(state, what, text);
-  std::erase_if(meant, [&](ObjectId id) { return is_left_out(*(*state.objects)[slot_of(id)]); });
+  std::erase_if(meant, [&](ObjectId id) { return is_left_out(*state.objects[slot_of(id)]); });
   if (meant.empty())
     return Refusal{fmt::format("{}: all of {} is left out by skip {}", what, printable(text), printable(skip))};
   return meant;

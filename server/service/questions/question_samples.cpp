@@ -10,8 +10,8 @@ namespace {
 
 std::string_view name_in(const Snapshot& state, ObjectId id) {
   const std::uint32_t slot = slot_of(id);
-  if (slot >= state.objects->size() || !(*state.objects)[slot]) return {};
-  return (*state.objects)[slot]->name;
+  if (slot >= state.objects.size() || !state.objects[slot]) return {};
+  return state.objects[slot]->name;
 }
 
 }  // namespace

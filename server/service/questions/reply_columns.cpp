@@ -65,7 +65,7 @@ void ReplyFiller::start(ReplyColumns& columns) {
   first_ = question_;
   bytes_ = 0;
   ++reply_number_;
-  if (named_in_.size() < snapshot_.objects->size()) named_in_.resize(snapshot_.objects->size(), 0);
+  if (named_in_.size() < snapshot_.objects.size()) named_in_.resize(snapshot_.objects.size(), 0);
 }
 
 bool ReplyFiller::fill(ReplyColumns& columns) {
@@ -77,7 +77,7 @@ bool ReplyFiller::fill(ReplyColumns& columns) {
 
 const ObjectInfo* ReplyFiller::info_of(ObjectId id) const {
   const std::uint32_t slot = slot_of(id);
-  return slot < snapshot_.objects->size() ? (*snapshot_.objects)[slot].get() : nullptr;
+  return slot < snapshot_.objects.size() ? snapshot_.objects[slot].get() : nullptr;
 }
 
 std::string_view ReplyFiller::name_of(ObjectId id) const {

@@ -23,7 +23,7 @@ using nlohmann::json;
 class WhatIfReader {
  public:
   WhatIfReader(const wire::Query& query, const Snapshot& state) : query_(query), state_(state) {
-    for (const auto& info : *state.objects) {
+    for (const auto& info : state.objects) {
       if (info) by_name_.emplace(info->name, info.get());
     }
   }
@@ -112,7 +112,7 @@ class WhatIfReader {
       has_new = false;
       for (const auto& [child, parent] : *state_.parents) {
         const ObjectInfo* const there =
-            slot_of(child) < state_.objects->size() ? (*state_.objects)[slot_of(child)].get() : nullptr;
+            slot_of(child) < state_.objects.size() ? state_.objects[slot_of(child)].get() : nullptr;
         if (there == nullptr || there->id != child) continue;  // not yet, at a past instant
         if (!goes_.contains(parent) || !goes_.insert(child).second) continue;
         ask_.attached.push_back({.child = child, .parent = parent});
@@ -132,7 +132,7 @@ class WhatIfReader {
       ask_.against = std::get<std::vector<ObjectId>>(std::move(meant));
     }
     std::erase_if(ask_.against, [&](ObjectId id) {
-      return goes_.contains(id) || ((*state_.objects)[slot_of(id)]->filter.layers & query_.mask) == 0;
+      return goes_.contains(id) || (state_.objects[slot_of(id)]->filter.layers & query_.mask) == 0;
     });
     if (ask_.against.empty() && goes_.size() == 1) refuse("there is nothing that the object could touch");
   }
@@ -142,7 +142,7 @@ class WhatIfReader {
     const std::string skip = query_.skip;
     if (skip.empty()) return;
     for (const ObjectId id : goes_) {
-      if (wire_contract::glob_matches(skip, (*state_.objects)[slot_of(id)]->name)) ask_.left_out.push_back(id);
+      if (wire_contract::glob_matches(skip, state_.objects[slot_of(id)]->name)) ask_.left_out.push_back(id);
     }
     if (ask_.left_out.size() == goes_.size())
       refuse(fmt::format("'skip' {} leaves out everything that is moved", printable(skip)));

@@ -83,7 +83,7 @@ std::set<ObjectId> overlapping(const Snapshot& snapshot, const Aabb& asked) {
     scene->tree.walk_box(asked, triangle, cost);
   }
   const auto object = [&](std::uint32_t slot) {
-    objects.insert((*snapshot.objects)[slot]->id);
+    objects.insert(snapshot.objects[slot]->id);
     return true;
   };
   if (snapshot.grid) snapshot.grid->walk_box(asked, object, cost);

@@ -112,7 +112,7 @@ ExactAnswer::ExactAnswer(const Snapshot& snapshot, const Questions& question, do
 }
 
 bool ExactAnswer::allowed(const Snapshot& snapshot, ObjectId id) const {
-  return may_answer(*(*snapshot.objects)[slot_of(id)], question_);
+  return may_answer(*snapshot.objects[slot_of(id)], question_);
 }
 
 void ExactAnswer::cast_ray(const Snapshot& snapshot) {
@@ -133,7 +133,7 @@ void ExactAnswer::cast_ray(const Snapshot& snapshot) {
 std::vector<ObjectId> ExactAnswer::holders(const Snapshot& snapshot, SolidSide least) const {
   std::vector<ObjectId> found;
   const Vec3 point = point_of(question_.numbers.data());
-  for (const auto& info : *snapshot.objects) {
+  for (const auto& info : snapshot.objects) {
     if (!info || !info->rare->solid || !allowed(snapshot, info->id)) continue;
     const Placed placed = placed_in(snapshot, slot_of(info->id));
     if (side_by_rationals(*info->rare->solid, placed, point) >= least) found.push_back(info->id);
@@ -143,7 +143,7 @@ std::vector<ObjectId> ExactAnswer::holders(const Snapshot& snapshot, SolidSide l
 
 std::vector<ObjectId> ExactAnswer::by_winding(const Snapshot& snapshot, WindingSide asked) const {
   std::vector<ObjectId> found;
-  for (const auto& info : *snapshot.objects) {
+  for (const auto& info : snapshot.objects) {
     if (!info || !info->rare->winding || !allowed(snapshot, info->id)) continue;
     const Placed placed = placed_in(snapshot, slot_of(info->id));
     if (side_by_winding_sum(*info->rare->winding, placed, point_of(question_.numbers.data())) == asked)

@@ -128,7 +128,7 @@ namespace {
 std::vector<ConvexPart> parts_near(const Snapshot& snapshot, const Questions& question, const Aabb& box) {
   std::vector<ConvexPart> parts;
   visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape, const GivenPart&) {
-    if (!overlaps(box, bounds(shape)) || !may_answer(*(*snapshot.objects)[slot_of(object)], question)) return;
+    if (!overlaps(box, bounds(shape)) || !may_answer(*snapshot.objects[slot_of(object)], question)) return;
     if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, Triangle>) parts.emplace_back(shape);
     else parts.emplace_back(Primitive(shape));
   });

@@ -105,7 +105,7 @@ struct ExactPair {
 class RandomPairs {
  public:
   RandomPairs(const Snapshot& snapshot, std::uint64_t seed) : random_(seed) {
-    for (const auto& info : *snapshot.objects) {
+    for (const auto& info : snapshot.objects) {
       if (!info) continue;
       MenuObject candidate;
       candidate.id = info->id;

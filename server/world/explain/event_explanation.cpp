@@ -10,9 +10,9 @@ namespace collided::engine {
 namespace {
 
 const ObjectInfo* find(const Snapshot& state, const std::string& name) {
-  const auto found = std::find_if(state.objects->begin(), state.objects->end(),
+  const auto found = std::find_if(state.objects.begin(), state.objects.end(),
                                   [&](const auto& info) { return info && info->name == name; });
-  return found == state.objects->end() ? nullptr : found->get();
+  return found == state.objects.end() ? nullptr : found->get();
 }
 
 /// The stretch between two poses that holds the whole bracket; of the two stretches about a bracket that lies over a

@@ -28,7 +28,7 @@ class FenceSearch {
 
   FenceExplanation run() {
     told_.is_carrier_there = place_fence();
-    for (const auto& info : *snapshot_.objects) {
+    for (const auto& info : snapshot_.objects) {
       if (info) consider(*info);
     }
     if (told_.is_carrier_there) {
@@ -51,9 +51,9 @@ class FenceSearch {
   bool place_fence() {
     placed_ = {.info = &fence_.body, .frame = {}, .bounds = {}, .pose = &world_pose_};
     if (!fence_.rule.carrier.empty()) {
-      const auto carrier = std::find_if(snapshot_.objects->begin(), snapshot_.objects->end(),
+      const auto carrier = std::find_if(snapshot_.objects.begin(), snapshot_.objects.end(),
                                         [&](const auto& info) { return info && info->name == fence_.rule.carrier; });
-      if (carrier == snapshot_.objects->end()) return false;
+      if (carrier == snapshot_.objects.end()) return false;
       const std::uint32_t slot = slot_of((*carrier)->id);
       placed_.frame = snapshot_.frame(slot);
       placed_.pose = snapshot_.has_given_poses ? &snapshot_.poses[slot] : nullptr;

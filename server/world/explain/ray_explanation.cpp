@@ -22,7 +22,7 @@ constexpr double kEndless = std::numeric_limits<double>::infinity();
 /// Of one ray; each triangle of a mesh counts.
 constexpr std::uint32_t kMostHits = 100'000;
 
-const ObjectInfo& info_of(const Snapshot& snapshot, ObjectId id) { return *(*snapshot.objects)[slot_of(id)]; }
+const ObjectInfo& info_of(const Snapshot& snapshot, ObjectId id) { return *snapshot.objects[slot_of(id)]; }
 
 /// Which primitive of the object the hit is on, and by which rung: the nearest that the ray meets.
 void find_part(const Ray& ray, const Snapshot& snapshot, const ObjectInfo& info, RayMeeting& meeting) {

@@ -43,7 +43,7 @@ RayMisses::RayMisses(const Snapshot& snapshot, const RayExplanationAsk& ask, Par
 
 void RayMisses::look_at_boxes(const std::unordered_set<ObjectId>& met, RayExplanation& told) {
   const Questions asked = ask_.questions();
-  for (const auto& info : *snapshot_.objects) {
+  for (const auto& info : snapshot_.objects) {
     if (!info) continue;
     ++told.object_count;
     const std::uint32_t number = members_.add(info->id);

@@ -14,7 +14,7 @@ bool Members::may_meet(std::uint32_t a, std::uint32_t b) const {
 std::uint32_t Members::add(ObjectId id) {
   const std::uint32_t slot = slot_of(id);
   Member& member = members_.emplace_back();
-  member.info = (*snapshot_.objects)[slot];
+  member.info = snapshot_.objects[slot];
   if (member.info->scene_part != kNoScenePart) {
     add_part(member);
   } else {

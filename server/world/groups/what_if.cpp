@@ -14,7 +14,7 @@ WhatIf::WhatIf(std::shared_ptr<const Snapshot> snapshot, const WhatIfAsk& ask, P
       within_m_(ask.within_m),
       depth_(ask.depth),
       with_filtered_(ask.with_filtered),
-      has_unknown_(has_unknown(*snapshot_)),
+      has_unknown_(snapshot_->objects.counts().unknown > 0),
       members_(*snapshot_, part_meshes),
       pose_count_(ask.moved.size()) {
   for (const ObjectId id : ask.moved) members_.add(id);

@@ -142,7 +142,4 @@ struct StaticScene {
   std::uint64_t bytes() const;
 };
 
-/// Every object by slot; a free slot is null. Immutable, replaced as a whole when a definition changes.
-using ObjectTable = std::vector<std::shared_ptr<const ObjectInfo>>;
-
 }  // namespace collided::engine

@@ -14,13 +14,9 @@ std::uint32_t tag_of(std::string_view name) { return static_cast<std::uint32_t>(
 
 }  // namespace
 
-ObjectTable& ObjectRows::table_to_change() {
-  ++table_version_;
-  if (table_is_shared_) {
-    table_ = std::make_shared<ObjectTable>(*table_);
-    table_is_shared_ = false;
-  }
-  return *table_;
+void ObjectRows::set_info(std::uint32_t slot, ObjectTable::Entry info) {
+  table_.set(slot, std::move(info));
+  definitions_.note(slot, size());
 }
 
 void ObjectRows::mark(std::uint32_t slot, Motion how) {
@@ -35,7 +31,7 @@ ObjectId ObjectRows::take_slot() {
     free_slots_.pop_back();
     ++generations_[slot];
   } else {
-    add_to_column(table_to_change(), {});
+    table_.add_slot();
     add_to_column(motion_, Motion::none);
     add_to_column(news_, std::uint8_t{0});
     add_to_column(generations_, 1U);
@@ -53,7 +49,7 @@ void ObjectRows::make_row(std::uint32_t slot) {
 void ObjectRows::put(std::shared_ptr<const ObjectInfo> info) {
   const std::uint32_t slot = slot_of(info->id);
   names_.add(tag_of(info->name), slot);
-  table_to_change()[slot] = std::move(info);
+  set_info(slot, std::move(info));
   mark(slot, Motion::placed);
 }
 
@@ -92,7 +88,7 @@ void ObjectRows::remove(ObjectId id) {
   const std::uint32_t slot = slot_of(id);
   if (rows_[slot].has_pivot) pivots_.erase(slot);
   names_.remove(tag_of(info(slot)->name), slot);
-  table_to_change()[slot].reset();
+  set_info(slot, nullptr);
   // A scene's part may use this slot next, and a part has no pose, age or motion.
   rows_[slot] = ObjectRow{};
   source_[slot] = Sources::kResting;
@@ -165,14 +161,6 @@ void ObjectRows::follow_source(std::uint32_t slot, std::uint32_t source, std::in
   mark(slot, Motion::placed);
 }
 
-void ObjectRows::note_change(std::uint32_t slot) {
-  if (changes_.size() > size()) {
-    forgotten_changes_ += changes_.size();
-    changes_.clear();
-  }
-  changes_.push_back(slot);
-}
-
 void ObjectRows::stamp_changes(std::int64_t world_time_ns, const Sources& sources) {
   for (const std::uint32_t slot : moved_) {
     note_change(slot);
@@ -195,28 +183,26 @@ void ObjectRows::copy_changes(Snapshot& to) {
   resize_column(to.poses, count);
   resize_column(to.posed_ns, count);
   resize_column(to.stale, count);
-  const std::uint64_t change_count = forgotten_changes_ + changes_.size();
   // Most rows in a row cost less than as many here and there.
-  const bool takes_all = to.changes_seen < forgotten_changes_ || change_count - to.changes_seen > count / 2;
-  const std::uint32_t* const changed =
-      takes_all ? nullptr : changes_.data() + static_cast<std::size_t>(to.changes_seen - forgotten_changes_);
-  const std::size_t copies = takes_all ? count : static_cast<std::size_t>(change_count - to.changes_seen);
+  const auto changed = changes_.since(to.changes_seen, count / 2);
+  const std::uint32_t* const slots = changed ? changed->data() : nullptr;
+  const std::size_t copies = changed ? changed->size() : count;
   // Locals, since what the loop writes could else be these.
   Pose* const poses = to.poses.data();
   std::int64_t* const posed_ns = to.posed_ns.data();
   std::uint8_t* const stale = to.stale.data();
   const ObjectRow* const rows = rows_.data();
   for (std::size_t i = 0; i < copies; ++i) {
-    const std::size_t slot = takes_all ? i : changed[i];
+    const std::size_t slot = changed ? slots[i] : i;
     const ObjectRow& row = rows[slot];
     poses[slot] = row.pose;
     posed_ns[slot] = row.posed_ns;
     stale[slot] = row.is_stale ? 1 : 0;
   }
-  to.changes_seen = change_count;
-  to.objects = table_;
-  to.table_version = table_version_;
-  table_is_shared_ = true;
+  to.changes_seen = changes_.count();
+  if (const auto defined = definitions_.since(to.definitions_seen, size() / 2)) to.objects.follow(table_, *defined);
+  else to.objects = table_;
+  to.definitions_seen = definitions_.count();
 }
 
 void ObjectRows::end_step() {
@@ -237,14 +223,7 @@ void ObjectRows::give_rows_back() {
   // New objects take low slots first, so that rows do not grow to their old number for a few.
   std::sort(free_slots_.begin(), free_slots_.end(), std::greater<>());
   // Slots without a row are among them: every state is copied as a whole once.
-  forgotten_changes_ += changes_.size();
-  changes_ = {};
-}
-
-const ObjectInfo* ObjectRows::find(ObjectId id) const {
-  const std::uint32_t slot = slot_of(id);
-  const ObjectInfo* found = slot < size() ? info(slot) : nullptr;
-  return found != nullptr && found->id == id ? found : nullptr;
+  changes_.forget();
 }
 
 std::optional<ObjectId> ObjectRows::find(std::string_view name) const {

@@ -3,13 +3,14 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
 
 #include "server/exact_phase/motion/body_motion.hpp"
-#include "server/world/objects/object.hpp"
+#include "server/world/objects/object_table.hpp"
 #include "server/world/objects/snapshot.hpp"
 #include "server/world/objects/sources.hpp"
 #include "server/world/objects/sweep.hpp"
@@ -67,14 +68,37 @@ struct PoseTime {
   std::int64_t since_ns = 0;  // the object rested up to there
 };
 
+/// Slots in the order of their changes, so that a copy that has some of them takes only the later ones. Remembers about
+/// as many as there are slots.
+class SlotChanges {
+ public:
+  void note(std::uint32_t slot, std::size_t slot_count) {
+    if (slots_.size() > slot_count) forget();
+    slots_.push_back(slot);
+  }
+  /// Every copy takes all slots next.
+  void forget() {
+    forgotten_ += slots_.size();
+    slots_ = {};
+  }
+  std::uint64_t count() const { return forgotten_ + slots_.size(); }
+  /// The changes after the first `seen`; nothing where some are forgotten, or are more than `most`.
+  std::optional<std::span<const std::uint32_t>> since(std::uint64_t seen, std::size_t most) const {
+    if (seen < forgotten_ || count() - seen > most) return std::nullopt;
+    return std::span(slots_).subspan(static_cast<std::size_t>(seen - forgotten_));
+  }
+
+ private:
+  std::vector<std::uint32_t> slots_;
+  std::uint64_t forgotten_ = 0;
+};
+
 /// The table of objects: the one place where rows are added, removed, moved and copied. A row's number is the object's
 /// slot.
 /// threads  the writer's only
 /// Always: info(slot) is null exactly where there is no object; motion(slot) is none for every slot not in moved().
 class ObjectRows {
  public:
-  ObjectRows() : table_(std::make_shared<ObjectTable>()) {}
-
   // Adding and removing.
   /// An id with a slot for a new object; the slot stays empty until put().
   ObjectId take_slot();
@@ -84,6 +108,8 @@ class ObjectRows {
   void put(std::shared_ptr<const ObjectInfo> info, const Pose& pose, std::uint32_t source, std::int64_t born_ns);
   /// Removes an object; its slot is free again after the step that ends its contacts.
   void remove(ObjectId id);
+  /// Scenes came or went.
+  void note_scenes() { table_.note_scenes(); }
 
   /// Gives the source's objects that came since the last step, with no known beginning, this instant as theirs.
   void begin(std::uint32_t source, std::int64_t time_ns);
@@ -113,22 +139,22 @@ class ObjectRows {
   /// are a part of all, so that each object that left costs a few copies.
   void end_step();
 
-  std::size_t size() const { return table_->size(); }
+  std::size_t size() const { return table_.size(); }
   /// How many slots, from 0, have a row: those of all objects, and most free ones between them.
   std::size_t row_count() const { return rows_.size(); }
   const ObjectRow& operator[](std::uint32_t slot) const { return rows_[slot]; }
   /// Of the object at its pose; empty for free slots and static parts. Worked out anew: within a step,
   /// StepMotion::pose_bounds() knows most of them.
   Aabb bounds(std::uint32_t slot) const;
-  const ObjectTable& table() const { return *table_; }
-  const ObjectInfo* info(std::uint32_t slot) const { return (*table_)[slot].get(); }
+  const ObjectTable& table() const { return table_; }
+  const ObjectInfo* info(std::uint32_t slot) const { return table_[slot].get(); }
   /// The whole object, where it is one sphere and nothing else.
   std::optional<Sphere> lone_sphere(std::uint32_t slot) const {
     const ObjectRow& row = rows_[slot];
     if (row.is_centred_sphere) return Sphere{Vec3::Zero(), row.lone_radius_m};
     return row.is_lone_sphere() ? engine::lone_sphere(*info(slot)) : std::nullopt;
   }
-  const ObjectInfo* find(ObjectId id) const;
+  const ObjectInfo* find(ObjectId id) const { return table_.find(id); }
   std::optional<ObjectId> find(std::string_view name) const;
   std::size_t name_count() const { return names_.size(); }
   /// Index of the object's source; Sources::kResting: the object does not move.
@@ -151,11 +177,11 @@ class ObjectRows {
   }
 
  private:
-  ObjectTable& table_to_change();
+  void set_info(std::uint32_t slot, ObjectTable::Entry info);
   void make_row(std::uint32_t slot);
   void give_rows_back();
   void mark(std::uint32_t slot, Motion how);
-  void note_change(std::uint32_t slot);
+  void note_change(std::uint32_t slot) { changes_.note(slot, size()); }
   void take_extent(std::uint32_t slot, const ObjectInfo& info, const Vec3& pivot);
 
   std::vector<ObjectRow> rows_;
@@ -167,17 +193,14 @@ class ObjectRows {
   std::vector<std::uint32_t> generations_;
   std::vector<std::uint32_t> source_;
 
-  std::shared_ptr<ObjectTable> table_;  // replaced when a definition changes
-  std::uint64_t table_version_ = 0;
-  bool table_is_shared_ = false;  // a snapshot holds the table: it is copied before the next change
-  TagIndex names_{7};             // slots by their objects' names, which the table has
+  ObjectTable table_;
+  TagIndex names_{7};  // slots by their objects' names, which the table has
   std::vector<std::uint32_t> free_slots_;
   std::vector<std::uint32_t> freed_;  // in this step
   std::size_t used_rows_ = 0;         // those after that have no object
   std::vector<std::uint32_t> moved_;  // in this step
-  // Slots in the order of their changes, about as many as there are slots; and how many were forgotten before.
-  std::vector<std::uint32_t> changes_;
-  std::uint64_t forgotten_changes_ = 0;
+  SlotChanges changes_;
+  SlotChanges definitions_;  // of the table
 };
 
 }  // namespace collided::engine

@@ -9,7 +9,7 @@ namespace collided::engine {
 
 /// The object at its pose in this state.
 inline Placed placed_in(const Snapshot& snapshot, std::uint32_t slot) {
-  return {.info = (*snapshot.objects)[slot].get(),
+  return {.info = snapshot.objects[slot].get(),
           .frame = snapshot.frame(slot),
           .bounds = snapshot.bounds(slot),
           .pose = snapshot.has_given_poses ? &snapshot.poses[slot] : nullptr};
@@ -24,11 +24,11 @@ void visit_parts(const Snapshot& snapshot, Visit&& visit) {
     for (std::uint32_t i = 0; i < scene->mesh.triangles.size(); ++i) {
       const std::uint32_t part = scene->part_of(i);
       const ObjectId object = scene->part_objects[part];
-      if (!(*snapshot.objects)[slot_of(object)]) continue;
+      if (!snapshot.objects[slot_of(object)]) continue;
       visit(object, i - scene->parts[part].first_triangle, scene->mesh.triangle(i), GivenPart{});
     }
   }
-  for (const auto& info : *snapshot.objects) {
+  for (const auto& info : snapshot.objects) {
     if (!info) continue;
     const Placed object = placed_in(snapshot, slot_of(info->id));
     const auto visit_primitive = [&](const Primitive& primitive) {
@@ -46,7 +46,7 @@ void visit_parts(const Snapshot& snapshot, Visit&& visit) {
 /// The same for one object's triangle, or for all of its primitives where triangle is kNoTriangle: visit(shape).
 template <class Visit>
 void visit_part(const Snapshot& snapshot, ObjectId object, std::uint32_t triangle, Visit&& visit) {
-  const ObjectInfo& info = *(*snapshot.objects)[slot_of(object)];
+  const ObjectInfo& info = *snapshot.objects[slot_of(object)];
   const Frame frame = snapshot.frame(slot_of(object));
   if (triangle == kNoTriangle) {
     for (const Primitive& primitive : info.primitives) {

@@ -7,7 +7,7 @@
 namespace collided::engine {
 
 Aabb Snapshot::bounds(std::uint32_t slot) const {
-  const ObjectInfo* info = (*objects)[slot].get();
+  const ObjectInfo* info = objects[slot].get();
   return info == nullptr || info->scene_part != kNoScenePart ? Aabb{} : bounds_of(*info, frame(slot));
 }
 

@@ -10,7 +10,7 @@
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/world/objects/attachments.hpp"
-#include "server/world/objects/object.hpp"
+#include "server/world/objects/object_table.hpp"
 #include "server/world/objects/pair_rules.hpp"
 #include "server/world/objects/scene_list.hpp"
 
@@ -33,8 +33,7 @@ struct Snapshot {
   std::int64_t world_time_ns = 0;
   std::int64_t settled_ns = 0;  // the newest instant at which every object's place is known
   SceneList scenes;
-  std::shared_ptr<const ObjectTable> objects;
-  std::uint64_t table_version = 0;     // grows with each change of `objects`
+  ObjectTable objects;
   std::vector<Pose> poses;             // by slot
   bool has_given_poses = true;         // false: poses were worked out, as at an instant between two that were given
   std::vector<Frame> frames;           // by slot, what poses were worked out from; empty where they were given
@@ -46,8 +45,10 @@ struct Snapshot {
   std::shared_ptr<const PairRules> pair_rules;  // which pairs may touch; null: those that filters let pass alone
   std::shared_ptr<const ParentOf> parents;      // of attached objects; null: there is none
   bool contacts_truncated = false;              // there are more contacts than the step could report
-  std::shared_ptr<Grid> grid;      // over all bounds(), or larger ones; shared between snapshots while no object moves
-  std::uint64_t changes_seen = 0;  // how many of ObjectRows' changes it has, so that refilling copies only later ones
+  std::shared_ptr<Grid> grid;  // over all bounds(), or larger ones; shared between snapshots while no object moves
+  // How many of ObjectRows' changes it has, of poses and of objects, so that refilling copies only later ones.
+  std::uint64_t changes_seen = 0;
+  std::uint64_t definitions_seen = 0;
 
   /// Where the object is. Of a given pose it is worked out anew, in some 10 ns: kept, it would take two fifths of a state's
   /// memory.

@@ -29,7 +29,7 @@ class PathWalker {
   PathWalker(const Snapshot& snapshot, ObjectId id, const PoseMemory::RememberedPath& path, Deadline& deadline)
       : object_(snapshot, id, deadline),
         path_(path),
-        can_move_((*snapshot.objects)[slot_of(id)]->scene_part == kNoScenePart),
+        can_move_(snapshot.objects[slot_of(id)]->scene_part == kNoScenePart),
         reach_m_(can_move_ ? reach_of(*object_.placed.info) : 0) {}
 
   double reach_m() const { return reach_m_; }

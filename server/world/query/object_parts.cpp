@@ -17,14 +17,14 @@ void visit_scene_part(const Snapshot& snapshot, const ObjectInfo& info, const Vi
 }  // namespace
 
 std::size_t part_count_of(const Snapshot& snapshot, ObjectId object) {
-  const ObjectInfo& info = *(*snapshot.objects)[slot_of(object)];
+  const ObjectInfo& info = *snapshot.objects[slot_of(object)];
   std::size_t count = info.primitives.size() + (info.mesh ? info.mesh->mesh->triangles.size() : 0);
   visit_scene_part(snapshot, info, [&](const StaticScene&, const Part& part) { count += part.triangle_count; });
   return count;
 }
 
 std::vector<ConvexPart> parts_of_object(const Snapshot& snapshot, ObjectId object) {
-  const ObjectInfo& info = *(*snapshot.objects)[slot_of(object)];
+  const ObjectInfo& info = *snapshot.objects[slot_of(object)];
   const Frame frame = snapshot.frame(slot_of(object));
   std::vector<ConvexPart> parts;
   for (const Primitive& primitive : info.primitives) {
@@ -41,7 +41,7 @@ std::vector<ConvexPart> parts_of_object(const Snapshot& snapshot, ObjectId objec
 }
 
 std::vector<GivenPart> given_parts_of_object(const Snapshot& snapshot, ObjectId object) {
-  const ObjectInfo& info = *(*snapshot.objects)[slot_of(object)];
+  const ObjectInfo& info = *snapshot.objects[slot_of(object)];
   const Placed placed = placed_in(snapshot, slot_of(object));
   std::vector<GivenPart> parts;
   for (const Primitive& primitive : info.primitives) parts.push_back(placed.given(primitive));

@@ -26,7 +26,7 @@ std::shared_ptr<const TriangleMesh> mesh_of_part(const Snapshot& snapshot, const
 }  // namespace
 
 PairObject::PairObject(const Snapshot& snapshot, ObjectId id, Deadline& deadline) {
-  const ObjectInfo& info = *(*snapshot.objects)[slot_of(id)];
+  const ObjectInfo& info = *snapshot.objects[slot_of(id)];
   placed = {.info = &info,
             .frame = snapshot.frame(slot_of(id)),
             .bounds = snapshot.bounds(slot_of(id)),

@@ -123,7 +123,7 @@ void turn_round(PairReport& report) {
 /// that in which a server met the objects. Only the proof keeps the request's order.
 PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const PairAsk& ask) {
   const OwnFloatEnvironment own_floats;
-  const auto order = [&](ObjectId id) { return std::tie((*snapshot.objects)[slot_of(id)]->name, id); };
+  const auto order = [&](ObjectId id) { return std::tie(snapshot.objects[slot_of(id)]->name, id); };
   const bool turned = order(b) < order(a);
   Deadline deadline(ask.deadline_ns, ask.called_off);
   const PairObject first(snapshot, turned ? b : a, deadline);

@@ -18,7 +18,7 @@ bool precedes_in_answer(const Snapshot& snapshot, const StaticScene& a_scene, st
   const ObjectId b_object = b_scene.part_objects[b_scene.part_of(b)];
   // Triangles of one part stand in the order of their numbers.
   if (a_object == b_object) return a < b;
-  const ObjectTable& objects = *snapshot.objects;
+  const ObjectTable& objects = snapshot.objects;
   return objects[slot_of(a_object)]->name < objects[slot_of(b_object)]->name;
 }
 

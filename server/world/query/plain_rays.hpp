@@ -12,11 +12,11 @@ namespace collided::engine {
 /// Whether all rays asked are plain, but for those that start_plain_ray refuses. What moves is asked afterwards, where a
 /// ray reaches its bounds: see reaches_movers().
 ///
-/// scratch  filled for the question's filter
-inline bool are_plain_rays(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
+/// filter  the questions', as of the snapshot
+inline bool are_plain_rays(const Snapshot& snapshot, const Questions& asked, const AnswerFilter& filter) {
   if (asked.kind != QuestionKind::ray || asked.mode == HitMode::all) return false;
   if (asked.error_m != 0 || asked.highest != Level::rational || asked.deadline_ns != 0) return false;
-  if (!scratch.all_open || scratch.has_solids || (scratch.unknown && scratch.unknown->is_any)) return false;
+  if (!filter.all_open || filter.has_solids || (filter.unknown && filter.unknown->is_any)) return false;
   return !snapshot.covers || snapshot.is_shard;
 }
 

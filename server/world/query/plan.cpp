@@ -44,7 +44,7 @@ SceneCounts count(const Snapshot& snapshot) {
   SceneCounts counts;
   std::unordered_set<const IndexedMesh*> meshes;
   for (const auto& scene : snapshot.scenes) counts.static_triangles += scene->mesh.triangles.size();
-  for (const auto& info : *snapshot.objects) {
+  for (const auto& info : snapshot.objects) {
     if (info && info->rare->solid) count_solid(*info->rare->solid, counts);
     if (info && info->rare->winding) {
       ++counts.by_winding;

@@ -17,7 +17,7 @@ namespace {
 
 /// Two objects may have used one slot at the instant, where the later one's publisher has a time that lags: the second
 /// gets a new slot.
-std::uint32_t add_slot(ObjectTable& objects, Snapshot& state) {
+std::uint32_t add_slot(std::vector<ObjectTable::Entry>& objects, Snapshot& state) {
   const auto slot = static_cast<std::uint32_t>(objects.size());
   objects.emplace_back();
   state.poses.resize(objects.size());
@@ -196,17 +196,17 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
     state->frames.resize(lives_.size());
     state->posed_ns.resize(lives_.size());
     state->stale.resize(lives_.size());
-    auto objects = std::make_shared<ObjectTable>(lives_.size());
+    std::vector<ObjectTable::Entry> objects(lives_.size());
     const auto take = [&](const Life& life) {
       if (!life.was_there(time_ns)) return;
       std::uint32_t slot = slot_of(life.info->id);
-      if (slot >= objects->size() || (*objects)[slot]) slot = add_slot(*objects, *state);
-      (*objects)[slot] = named_by_slot(life.info, slot);
+      if (slot >= objects.size() || objects[slot]) slot = add_slot(objects, *state);
+      objects[slot] = named_by_slot(life.info, slot);
       put(life, slot, time_ns, *state);
     };
     std::for_each(gone_.begin(), gone_.end(), take);
     std::for_each(lives_.begin(), lives_.end(), take);
-    state->objects = std::move(objects);
+    state->objects = ObjectTable(std::move(objects));
   }
   std::vector<Aabb> bounds(state->frames.size());
   for (std::size_t slot = 0; slot < state->frames.size(); ++slot) {

@@ -91,19 +91,16 @@ std::vector<std::string> Probes::remove(std::string_view glob) {
 
 /// Looks names and filters up once per object table, not once per step.
 void Probes::bind(const Snapshot& snapshot, const Find& find) {
-  if (is_bound_ && bound_version_ == snapshot.table_version) return;
-  audiences_.clear();
+  if (is_bound_ && bound_version_ == snapshot.objects.version()) return;
   for (Probe& probe : probes_) {
     const std::optional<ObjectId> id = find(probe.definition.object);
-    const bool shown = id && slot_of(*id) < snapshot.objects->size() && (*snapshot.objects)[slot_of(*id)] &&
-                       (*snapshot.objects)[slot_of(*id)]->id == *id;
-    probe.object = shown ? *id : 0;
+    probe.object = id && snapshot.objects.find(*id) != nullptr ? *id : 0;
   }
-  unknown_.objects.clear();
-  for (const auto& info : *snapshot.objects) unknown_.objects.push_back(info && info->is_unknown ? 1 : 0);
+  unknown_.is_any = snapshot.objects.counts().unknown > 0;
+  if (unknown_.is_any)
+    unknown_.objects.follow(snapshot.objects, [](const ObjectInfo& info) { return info.is_unknown; });
   unknown_.scenes.assign(snapshot.scenes.size(), 0);
-  unknown_.is_any = std::any_of(unknown_.objects.begin(), unknown_.objects.end(), [](auto is) { return is != 0; });
-  bound_version_ = snapshot.table_version;
+  bound_version_ = snapshot.objects.version();
   is_bound_ = true;
 }
 
@@ -111,19 +108,18 @@ Probes::Audience& Probes::audience_of(const Snapshot& snapshot, const ObjectInfo
   const auto known = std::find_if(audiences_.begin(), audiences_.end(), [&](const Audience& audience) {
     return same(audience.filter, object.filter) && audience.partners == object.rare->allowed;
   });
-  if (known != audiences_.end()) return *known;
+  if (known != audiences_.end() && known->table_version == snapshot.objects.version()) return *known;
   // Filters are usually few. Where they are not, memory must not grow with them.
   constexpr std::size_t kMost = 64;
-  if (audiences_.size() >= kMost) audiences_.clear();
-  Audience& audience = audiences_.emplace_back();
+  if (known == audiences_.end() && audiences_.size() >= kMost) audiences_.clear();
+  Audience& audience = known != audiences_.end() ? *known : audiences_.emplace_back();
   audience.filter = object.filter;
   audience.partners = object.rare->allowed;
-  for (const auto& info : *snapshot.objects) audience.allowed.push_back(info && may_meet(object, *info) ? 1 : 0);
-  for (const auto& scene : snapshot.scenes) {
-    const bool is_open = std::all_of(scene->part_objects.begin(), scene->part_objects.end(),
-                                     [&](ObjectId part) { return audience.allowed[slot_of(part)] != 0; });
-    audience.open_scenes.push_back(is_open ? 1 : 0);
-  }
+  audience.allowed.follow(snapshot.objects, [&](const ObjectInfo& other) { return may_meet(object, other); });
+  if (audience.parts_version != snapshot.objects.parts_version())
+    mark_open_scenes(snapshot.scenes, audience.allowed.by_slot(), audience.open_scenes);
+  audience.table_version = snapshot.objects.version();
+  audience.parts_version = snapshot.objects.parts_version();
   return audience;
 }
 
@@ -132,8 +128,11 @@ bool Probes::reaches_unknown_space(const Snapshot& snapshot, const Vec3& start, 
   if (!unknown_.is_any) return false;
   const Questions asked;
   std::vector<AnswerHit> none;
-  Question question{
-      .snapshot = snapshot, .asked = asked, .allowed = unknown_.objects, .open_scenes = unknown_.scenes, .found = none};
+  Question question{.snapshot = snapshot,
+                    .asked = asked,
+                    .allowed = unknown_.objects.by_slot(),
+                    .open_scenes = unknown_.scenes,
+                    .found = none};
   const std::array<double, kRayNumbers> ray{start.x(),     start.y(),     start.z(), direction.x(),
                                             direction.y(), direction.z(), length_m};
   return reaches_unknown(question, ray.data(), unknown_).has_value();
@@ -146,7 +145,7 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
   const Frame frame = snapshot.frame(slot);
   const Vec3 start = place(frame, probe.start);
   const Vec3 direction = place(Frame{.rotation = frame.rotation}, probe.direction);
-  const ObjectInfo& info = *(*snapshot.objects)[slot];
+  const ObjectInfo& info = *snapshot.objects[slot];
   Audience& audience = audience_of(snapshot, info);
   // A scene that contains the object itself is not open: its parts are filtered one by one.
   const bool is_part = info.scene_part != kNoScenePart;
@@ -154,7 +153,7 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
   std::uint8_t& itself = audience.allowed[slot];
   const std::uint8_t met_by_others = std::exchange(itself, std::uint8_t{0});
   ProbeRay ray{snapshot,
-               audience.allowed,
+               audience.allowed.by_slot(),
                is_part ? closed_scenes : audience.open_scenes,
                found_,
                {start.x(), start.y(), start.z(), direction.x(), direction.y(), direction.z(), 0}};

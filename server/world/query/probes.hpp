@@ -81,8 +81,10 @@ class Probes {
   struct Audience {
     Filter filter;
     AllowedPartners partners;
-    std::vector<std::uint8_t> allowed;      // by slot
+    SlotMarks allowed;
     std::vector<std::uint8_t> open_scenes;  // by scene: every part of it is allowed
+    std::uint64_t table_version = 0;        // that `allowed` is of
+    std::uint64_t parts_version = 0;        // that open_scenes are of
   };
 
   void bind(const Snapshot& snapshot, const Find& find);

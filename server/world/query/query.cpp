@@ -36,70 +36,20 @@ const char* name_of(QuestionKind kind) {
 
 namespace {
 
-/// Marks the scenes in which every part may answer, so that no walk need test single parts, and looks for solids.
-void fill_open_scenes(const Snapshot& snapshot, QueryScratch& scratch) {
-  scratch.open_scenes.clear();
-  for (const auto& scene : snapshot.scenes) {
-    const bool is_open = std::all_of(scene->part_objects.begin(), scene->part_objects.end(),
-                                     [&](ObjectId part) { return scratch.allowed[slot_of(part)] != 0; });
-    scratch.open_scenes.push_back(is_open ? 1 : 0);
-  }
-  scratch.all_open = std::all_of(scratch.open_scenes.begin(), scratch.open_scenes.end(), std::identity());
-  scratch.has_solids = std::any_of(snapshot.scenes.begin(), snapshot.scenes.end(),
-                                   [](const auto& scene) { return !scene->solid_parts.empty(); });
-}
-
-/// Layers and name patterns let the object count.
-bool is_asked_about(const ObjectInfo& info, const Questions& asked) {
-  if ((info.filter.layers & asked.mask) == 0) return false;
-  if (!asked.only.empty() && !glob_matches(asked.only, info.name)) return false;
-  return asked.skip.empty() || !glob_matches(asked.skip, info.name);
-}
-
-/// Marks the unknown objects that count. A pattern of what may answer does not make the rest known; what is left out by
-/// name is.
-void fill_unknown(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch) {
-  const ObjectTable& table = *snapshot.objects;
-  Questions counting = asked;
-  counting.only = {};
-  const auto counts = [&](const auto& info) { return info && info->is_unknown && is_asked_about(*info, counting); };
-  const bool is_any = std::any_of(table.begin(), table.end(), counts);
-  if (!scratch.unknown && !is_any) return;
-  if (!scratch.unknown) scratch.unknown = std::make_shared<UnknownSpace>();
-  UnknownSpace& unknown = *scratch.unknown;
-  unknown.is_any = is_any;
-  unknown.objects.assign(table.size(), 0);
-  for (std::size_t slot = 0; slot < table.size(); ++slot) unknown.objects[slot] = counts(table[slot]) ? 1 : 0;
-  unknown.scenes.assign(snapshot.scenes.size(), 0);
-}
-
 /// Most patterns are empty, and then no call is needed.
 inline bool is_same_pattern(std::string_view a, std::string_view b) {
   return a.size() == b.size() && (a.empty() || a == b);
 }
 
-/// Whether the scratch holds what fill_allowed would write.
-inline bool is_allowed_known(const Snapshot& snapshot, const Questions& asked, const QueryScratch& scratch) {
-  return scratch.allowed_table == snapshot.objects.get() && scratch.allowed_version == snapshot.table_version &&
-         scratch.allowed_mask == asked.mask && is_same_pattern(scratch.allowed_only, asked.only) &&
-         is_same_pattern(scratch.allowed_skip, asked.skip);
+/// Whether the filter is the questions', as of the snapshot.
+inline bool is_filter_taken(const AnswerFilter& filter, const Snapshot& snapshot, const Questions& asked) {
+  return filter.table_version == snapshot.objects.version() && filter.mask == asked.mask &&
+         is_same_pattern(filter.only, asked.only) && is_same_pattern(filter.skip, asked.skip);
 }
 
-/// Marks the objects that may answer, by layers and name patterns: once per object table and filter, not per question.
-[[gnu::noinline]] void fill_allowed(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch) {
-  const ObjectTable* table = snapshot.objects.get();
-  scratch.allowed.assign(table->size(), 0);
-  for (std::size_t slot = 0; slot < table->size(); ++slot) {
-    const ObjectInfo* info = (*table)[slot].get();
-    scratch.allowed[slot] = info != nullptr && may_answer(*info, asked) ? 1 : 0;
-  }
-  fill_open_scenes(snapshot, scratch);
-  fill_unknown(snapshot, asked, scratch);
-  scratch.allowed_table = table;
-  scratch.allowed_version = snapshot.table_version;
-  scratch.allowed_mask = asked.mask;
-  scratch.allowed_only = asked.only;
-  scratch.allowed_skip = asked.skip;
+/// Apart, since most questions have the filter of those before.
+[[gnu::noinline]] void take_filter(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch) {
+  scratch.filters.take(snapshot, asked);
 }
 
 void ask(Question& question, const double* numbers) {
@@ -261,8 +211,9 @@ struct QuestionBatch {
     write_answer(answers, place, question);
     note_age(answers, question);
     if (snapshot.covers && !snapshot.is_shard) doubt_where_not_covered(answers, place, question, numbers_of(place));
-    if (scratch.unknown && scratch.unknown->is_any)
-      doubt_where_unknown(answers, place, question, numbers_of(place), *scratch.unknown);
+    UnknownSpace* const unknown = scratch.filter().unknown.get();
+    if (unknown != nullptr && unknown->is_any)
+      doubt_where_unknown(answers, place, question, numbers_of(place), *unknown);
     if (!asked.with_hits) question.found.clear();
   }
   /// returns  false: it was given up, and has no answer
@@ -282,8 +233,8 @@ struct QuestionBatch {
         .deadline_ns = asked.deadline_ns, .give_up_ns = asked.give_up_ns, .called_off = asked.called_off};
     Question question{.snapshot = snapshot,
                       .asked = asked,
-                      .allowed = scratch.allowed,
-                      .open_scenes = scratch.open_scenes,
+                      .allowed = scratch.filter().allowed.by_slot(),
+                      .open_scenes = scratch.filter().open_scenes,
                       .found = asked.numbers.size() == stride ? answers.hits : scratch.found,
                       .deadline = time.end()};
     ask_question(question);
@@ -299,7 +250,8 @@ struct QuestionBatch {
     const double* numbers = numbers_of(place);
     if (!keeps_ray_rules(numbers)) return answer_one(place);
     PlainRay& ray = scratch.plain_rays.front();
-    switch (engine::answer_plain_ray(snapshot, asked, numbers, scratch.allowed, ray, place, answers)) {
+    switch (
+        engine::answer_plain_ray(snapshot, asked, numbers, scratch.filter().allowed.by_slot(), ray, place, answers)) {
       case PlainOutcome::not_plain: return answer_one(place);
       case PlainOutcome::answered: return true;
       case PlainOutcome::reaches_movers: return answer_with_movers(place, ray);
@@ -308,7 +260,7 @@ struct QuestionBatch {
   }
   /// After the walk through the scenes.
   bool finish_plain_ray(std::size_t place, PlainRay& ray) const {
-    if (reaches_movers(snapshot, scratch.allowed, ray)) return answer_with_movers(place, ray);
+    if (reaches_movers(snapshot, scratch.filter().allowed.by_slot(), ray)) return answer_with_movers(place, ray);
     write_plain_ray(snapshot, asked, ray, place, answers);
     return true;
   }
@@ -369,8 +321,8 @@ void QuestionBatch::answer_rays(std::size_t first, std::size_t count) const {
     }
     group[size].emplace(Question{.snapshot = snapshot,
                                  .asked = asked,
-                                 .allowed = scratch.allowed,
-                                 .open_scenes = scratch.open_scenes,
+                                 .allowed = scratch.filter().allowed.by_slot(),
+                                 .open_scenes = scratch.filter().open_scenes,
                                  .found = scratch.found_by_ray[size],
                                  .deadline = Deadline(asked.deadline_ns, asked.called_off)});
     places[size++] = place;
@@ -420,7 +372,8 @@ bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const 
     alike += same_start && same_direction ? 1 : 0;
   }
   if (alike >= kFewestTogether / 2) {
-    return !snapshot.scenes.empty() && scratch.all_open && asked.error_m == 0 && asked.highest == Level::rational;
+    return !snapshot.scenes.empty() && scratch.filter().all_open && asked.error_m == 0 &&
+           asked.highest == Level::rational;
   }
   std::uint64_t bytes = 0;
   for (const auto& scene : snapshot.scenes) bytes += scene->tree.report().bytes;
@@ -430,7 +383,7 @@ bool rays_gain_together(const Snapshot& snapshot, const Questions& asked, const 
 void answer_batch(const QuestionBatch& batch, std::size_t count) {
   const bool together = batch.asked.kind == QuestionKind::ray && count >= kFewestTogether &&
                         rays_gain_together(batch.snapshot, batch.asked, batch.scratch);
-  if (!are_plain_rays(batch.snapshot, batch.asked, batch.scratch)) {
+  if (!are_plain_rays(batch.snapshot, batch.asked, batch.scratch.filter())) {
     batch.answers.cut(batch.answer_all(count, together));
     return;
   }
@@ -443,7 +396,7 @@ class AnswerScope {
  public:
   AnswerScope(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch)
       : precision_({.highest = asked.highest, .error_asked_m = asked.error_m / 2}) {
-    if (!is_allowed_known(snapshot, asked, scratch)) fill_allowed(snapshot, asked, scratch);
+    if (!is_filter_taken(scratch.filter(), snapshot, asked)) take_filter(snapshot, asked, scratch);
   }
 
  private:
@@ -467,11 +420,12 @@ class AnswerScope {
 bool answer_plain_ray_alone(const Snapshot& snapshot, const Questions& asked, Answers& answers, QueryScratch& scratch) {
   answers.reset(1);
   const AnswerScope scope(snapshot, asked, scratch);
-  if (!are_plain_rays(snapshot, asked, scratch) || scratch.plain_rays.empty()) return false;
+  if (!are_plain_rays(snapshot, asked, scratch.filter()) || scratch.plain_rays.empty()) return false;
   const double* numbers = asked.numbers.data();
   if (!keeps_ray_rules(numbers)) return false;
   PlainRay& ray = scratch.plain_rays.front();
-  const PlainOutcome outcome = answer_plain_ray(snapshot, asked, numbers, scratch.allowed, ray, 0, answers);
+  const PlainOutcome outcome =
+      answer_plain_ray(snapshot, asked, numbers, scratch.filter().allowed.by_slot(), ray, 0, answers);
   if (outcome == PlainOutcome::not_plain) return false;
   if (outcome == PlainOutcome::reaches_movers) {
     const QuestionBatch batch{snapshot, asked, scratch, answers, kRayNumbers};
@@ -494,10 +448,6 @@ bool is_question(QuestionKind kind, const double* numbers) {
     case QuestionKind::inside: return keeps_rules<kInsideFields>(numbers);
     default: return false;
   }
-}
-
-bool may_answer(const ObjectInfo& info, const Questions& asked) {
-  return !info.is_unknown && is_asked_about(info, asked);
 }
 
 void Answers::cut(std::size_t count) {

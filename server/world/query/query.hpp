@@ -13,6 +13,7 @@
 #include "server/exact_phase/motion/time_of_contact.hpp"
 #include "server/geometry/vector.hpp"
 #include "server/world/objects/snapshot.hpp"
+#include "server/world/query/answer_filters.hpp"
 #include "server/world/query/plain_ray.hpp"
 
 namespace collided::engine {
@@ -89,9 +90,6 @@ struct Questions {
 /// Whether the numbers of one question keep the rules of idl/question_rules.hpp.
 bool is_question(QuestionKind kind, const double* numbers);
 
-/// Whether layers and name patterns let the object answer.
-bool may_answer(const ObjectInfo& info, const Questions& asked);
-
 /// One hit of an answer.
 struct AnswerHit {
   ObjectId object = 0;
@@ -153,22 +151,14 @@ struct Answers {
   void cut(std::size_t count);
 };
 
-struct UnknownSpace;  // unknown_space.hpp
-
 /// Memory that answering needs; one per thread.
 struct QueryScratch {
-  std::vector<std::uint8_t> allowed;      // by slot, for the filter below
-  std::vector<std::uint8_t> open_scenes;  // by scene: every part of it may answer
-  bool all_open = false;                  // of every scene
-  bool has_solids = false;                // any scene
+  AnswerFilters filters;
   std::vector<AnswerHit> found;
   std::vector<std::vector<AnswerHit>> found_by_ray;  // of rays that are walked together
   std::vector<PlainRay> plain_rays;                  // all that are under way at once
-  std::shared_ptr<UnknownSpace> unknown;             // for the filter below; null: none was ever there
-  const ObjectTable* allowed_table = nullptr;        // what `allowed` was computed for
-  std::uint64_t allowed_version = 0;
-  std::string allowed_only, allowed_skip;
-  std::uint32_t allowed_mask = 0;
+
+  const AnswerFilter& filter() const { return filters.current(); }
 };
 
 /// Answers questions on one snapshot. Malformed numbers (non-finite, zero direction, negative size) get `invalid`, each

@@ -37,7 +37,7 @@ struct Question {
   double slack_m() const { return asked.error_m / 2; }
   bool allows(ObjectId id) const { return allowed[slot_of(id)] != 0; }
   bool allows_part(const StaticScene& scene, std::uint32_t part) const { return allows(scene.part_objects[part]); }
-  const ObjectInfo& object(std::uint32_t slot) const { return *(*snapshot.objects)[slot]; }
+  const ObjectInfo& object(std::uint32_t slot) const { return *snapshot.objects[slot]; }
   Placed placed(std::uint32_t slot) const {
     Placed object = placed_without_bounds(slot);
     object.bounds = snapshot.bounds(slot);

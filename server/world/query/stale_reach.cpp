@@ -75,7 +75,7 @@ void doubt_where_stale_objects_reach(const Snapshot& snapshot, const Questions& 
   const std::uint32_t stride = numbers_of(questions.kind);
   for (const StaleObject& object : snapshot.stale_objects) {
     const bool stands_still = object.speed_mps == 0;
-    if (stands_still || !may_answer(*(*snapshot.objects)[slot_of(object.id)], questions)) continue;
+    if (stands_still || !may_answer(*snapshot.objects[slot_of(object.id)], questions)) continue;
     const Aabb region = region_of(object, snapshot.world_time_ns);
     std::size_t first_hit = 0;
     for (std::size_t i = 0; i < answers.answers.size(); ++i) {

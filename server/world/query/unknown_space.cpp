@@ -72,7 +72,7 @@ class UnknownQuestion {
   Question ask(const Ask& ask_kind, const double* n) {
     Question question{.snapshot = of_.snapshot,
                       .asked = asked_,
-                      .allowed = unknown_.objects,
+                      .allowed = unknown_.objects.by_slot(),
                       .open_scenes = unknown_.scenes,
                       .found = unknown_.found,
                       .deadline = Deadline(asked_.deadline_ns, asked_.called_off)};
@@ -130,11 +130,6 @@ std::optional<Leaving> reaches_unknown(Question& question, const double* numbers
   }
 }
 
-bool has_unknown(const Snapshot& snapshot) {
-  const auto is_unknown = [](const auto& info) { return info && info->is_unknown; };
-  return std::any_of(snapshot.objects->begin(), snapshot.objects->end(), is_unknown);
-}
-
 std::optional<Vec3> unknown_near(const Snapshot& snapshot, std::span<const Aabb> boxes, double distance_m) {
   if (!snapshot.grid) return std::nullopt;
   WalkCost cost;
@@ -143,7 +138,7 @@ std::optional<Vec3> unknown_near(const Snapshot& snapshot, std::span<const Aabb>
     const Aabb reach = grown(bounds, distance_m);
     bool is_met = false;
     const auto candidate = [&](std::uint32_t slot) {
-      const ObjectInfo& info = *(*snapshot.objects)[slot];
+      const ObjectInfo& info = *snapshot.objects[slot];
       is_met = info.is_unknown && meets(info, snapshot.frame(slot), box_about(reach));
       return !is_met;
     };

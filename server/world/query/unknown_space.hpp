@@ -11,8 +11,8 @@ namespace collided::engine {
 
 /// Objects of which it is not known what is in them, as one filter lets them count, and memory to ask about them.
 struct UnknownSpace {
-  std::vector<std::uint8_t> objects;  // by slot
-  std::vector<std::uint8_t> scenes;   // by scene: 0, no part of one is such an object
+  SlotMarks objects;
+  std::vector<std::uint8_t> scenes;  // by scene: 0, no part of one is such an object
   bool is_any = false;
   std::vector<AnswerHit> found;
 };
@@ -25,9 +25,6 @@ struct UnknownSpace {
 /// returns  where it reaches in, or nothing
 /// threads  one a scratch; no allocation once its memory has grown
 std::optional<Leaving> reaches_unknown(Question& question, const double* numbers, UnknownSpace& unknown);
-
-/// Whether any object is unknown space. Looks at all of them.
-bool has_unknown(const Snapshot& snapshot);
 
 /// A point of unknown space within a distance of one of the boxes; nothing where there is surely none. Empty boxes are
 /// near nothing.

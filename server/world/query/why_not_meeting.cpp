@@ -40,8 +40,8 @@ void add_rule(const PairRules& rules, const ObjectInfo& a, const ObjectInfo& b, 
 }  // namespace
 
 std::vector<std::string> why_not_meeting(const Snapshot& snapshot, ObjectId a, ObjectId b) {
-  const ObjectInfo& first = *(*snapshot.objects)[slot_of(a)];
-  const ObjectInfo& second = *(*snapshot.objects)[slot_of(b)];
+  const ObjectInfo& first = *snapshot.objects[slot_of(a)];
+  const ObjectInfo& second = *snapshot.objects[slot_of(b)];
   std::vector<std::string> why;
   if (!first.moving && !second.moving) why.emplace_back("neither of them moves");
   add_filter(first, second, why);

@@ -89,8 +89,8 @@ bool counts(const ObjectInfo* info) { return info != nullptr && info->scene_part
 
 WorldDigest digest_of(const Snapshot& state) {
   WorldDigest digest;
-  for (std::size_t slot = 0; slot < state.objects->size(); ++slot) {
-    const ObjectInfo* const info = (*state.objects)[slot].get();
+  for (std::size_t slot = 0; slot < state.objects.size(); ++slot) {
+    const ObjectInfo* const info = state.objects[slot].get();
     if (!counts(info)) continue;
     const std::uint64_t key = key_of(info->name);
     const std::uint64_t hash = hash_of(*info, state.frame(static_cast<std::uint32_t>(slot)));
@@ -107,7 +107,7 @@ std::string first_difference(const Snapshot& state, const WorldDigest& here, con
     const std::uint64_t by = difference(here.sums[2 * group], there.sums[2 * group]);
     if (by == 0) continue;
     const std::uint64_t key = product(difference(here.sums[2 * group + 1], there.sums[2 * group + 1]), inverse(by));
-    for (const auto& info : *state.objects) {
+    for (const auto& info : state.objects) {
       if (counts(info.get()) && key_of(info->name) == key) return info->name;
     }
   }

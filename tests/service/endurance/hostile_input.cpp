@@ -183,7 +183,7 @@ class Border {
     for (std::size_t slot = 0; slot < state->poses.size(); ++slot) {
       const Pose& pose = state->poses[slot];
       const bool is_pose = pose.position.allFinite() && std::abs(pose.rotation.norm() - 1) < 1e-12;
-      const bool is_used = slot < state->objects->size() && (*state->objects)[slot];
+      const bool is_used = slot < state->objects.size() && state->objects[slot];
       result_.not_finite += is_used && !is_pose ? 1 : 0;
     }
   }

@@ -135,7 +135,7 @@ TEST_F(ServiceFrames, AHitOnWhatIsNotInTheStateHasNoNameBesideIt) {
   define("left", {0, 0, 0});
   world.step(1, 1, {});
   const auto state = world.newest();
-  const ObjectId beyond = state->objects->size();
+  const ObjectId beyond = state->objects.size();
   Answers answers;
   answers.answers = {Verdict::hit};
   answers.reasons = {UndecidedReason::none};
@@ -144,7 +144,7 @@ TEST_F(ServiceFrames, AHitOnWhatIsNotInTheStateHasNoNameBesideIt) {
   answers.nodes = answers.exact_tests = {0};
   answers.hits = {{.object = beyond, .triangle = 5}};
   std::vector<std::uint64_t> named_in;
-  named_in.reserve(state->objects->size() + 1);
+  named_in.reserve(state->objects.size() + 1);
   std::uint64_t reply_number = 0;
   ReplyFiller filler(*state, answers, named_in, reply_number);
   ReplyColumns columns;

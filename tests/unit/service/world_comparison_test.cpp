@@ -18,9 +18,7 @@ class Comparisons : public testing::Test {
     return made;
   }
   static std::shared_ptr<const Snapshot> nobody() {
-    auto state = std::make_shared<Snapshot>();
-    state->objects = std::make_shared<ObjectTable>();
-    return state;
+    return std::make_shared<Snapshot>();
   }
 
   WorldComparison comparison;

@@ -308,7 +308,7 @@ TEST_F(WorldLoopTest, ABarrierOpensWhenTheSampleIsInAState) {
   move(1, {1, 0, 0});
   EXPECT_TRUE(books.wait([&] { return admitted.load() == 1; }));
   const SnapshotRing::Lease state = world.newest();
-  const auto& objects = *state->objects;
+  const auto& objects = state->objects;
   const auto ball =
       std::find_if(objects.begin(), objects.end(), [](const auto& info) { return info && info->name == "ball1"; });
   ASSERT_NE(ball, objects.end());

@@ -196,7 +196,7 @@ TEST_F(WorldByHand, ANewWorldIsEmptyAndNoTimeHasPassed) {
   const SnapshotRing::Lease state = world.newest();
   EXPECT_EQ(state->version, 0U);
   EXPECT_EQ(state->world_time_ns, 0);
-  EXPECT_TRUE(state->objects->empty());
+  EXPECT_EQ(state->objects.size(), 0u);
   EXPECT_TRUE(world.contacts().empty());
   EXPECT_TRUE(world.events().empty());
 }
@@ -387,7 +387,7 @@ TEST_F(WorldByHand, APieceOfAPlacedObjectsTriangleHasTheNumberOfTheFile) {
     const SnapshotRing::Lease lease = world.newest();
     const Answers answers = ask({.kind = QuestionKind::ray, .numbers = {}}, {x, y, 1, 0, 0, -1, INFINITY});
     const AnswerHit& hit = answers.hits.at(0);
-    return lease->objects->at(slot_of(hit.object))->reported_triangle(hit.triangle);
+    return lease->objects[slot_of(hit.object)]->reported_triangle(hit.triangle);
   };
   EXPECT_EQ(told(0.25, 0.25), 0U);
   EXPECT_EQ(told(1.25, 0.25), 1U);

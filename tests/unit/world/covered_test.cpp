@@ -18,7 +18,7 @@ namespace collided::engine {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr std::int64_t kSecond = 1'000'000'000;
+constexpr std::int64_t kCoveredSecond = 1'000'000'000;
 
 ObjectDefinition ball(const std::string& name, const Vec3& position, double radius_m) {
   Shape shape;
@@ -43,7 +43,7 @@ struct Covered {
     world.state_covers("", covers);
     step();
   }
-  void step() { ASSERT_TRUE(world.step(++seconds * kSecond, 1, {})); }
+  void step() { ASSERT_TRUE(world.step(++seconds * kCoveredSecond, 1, {})); }
   Answers ask(QuestionKind kind, std::vector<double> numbers, HitMode mode = HitMode::closest,
               const ObjectInfo* mover = nullptr, std::uint32_t max_hits = 1'000) {
     Answers answers;
@@ -308,7 +308,7 @@ TEST(Covered, NothingOutsideContradictsWhatWasAnswered) {
                                      QuestionKind::sweep};
   int contradicted = 0, doubted = 0, sure = 0, changed = 0;
   for (int place = 0; place < 1'000; ++place) {
-    there.world.move(stranger, {.position = outside()}, (place + 1) * kSecond, true);
+    there.world.move(stranger, {.position = outside()}, (place + 1) * kCoveredSecond, true);
     there.step();
     for (int i = 0; i < 40; ++i) {
       const QuestionKind kind = kKinds[i % 5];

@@ -90,7 +90,7 @@ TEST_P(CrowdLeaves, TheRowsAfterTheLastObjectAreGivenBack) {
   const auto then = crowded.world.memory().at(full_ns);
   ASSERT_TRUE(then);
   std::set<std::string> names;
-  for (const auto& info : *then->objects) {
+  for (const auto& info : then->objects) {
     if (info) names.insert(info->name);
   }
   EXPECT_EQ(names.size(), kCount) << "all of them were there";
@@ -131,7 +131,7 @@ TEST_P(CrowdLeaves, ContactsAreThoseOfAWorldWithoutAPast) {
       const std::uint32_t slot = slot_of(*crowded.world.find(name));
       ASSERT_LT(slot, state->poses.size());
       EXPECT_EQ(state->poses[slot].position, pose.position);
-      EXPECT_EQ((*state->objects)[slot]->name, name);
+      EXPECT_EQ(state->objects[slot]->name, name);
     }
   }
 }

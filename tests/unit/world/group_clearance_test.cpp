@@ -15,7 +15,7 @@ using oracle::PlainClearance;
 
 std::vector<ObjectId> all_of(const Snapshot& snapshot) {
   std::vector<ObjectId> ids;
-  for (const auto& info : *snapshot.objects) {
+  for (const auto& info : snapshot.objects) {
     if (info) ids.push_back(info->id);
   }
   return ids;
@@ -98,7 +98,7 @@ TEST_F(GroupClearanceTest, MovedMeshesAndBallsAboveTheFloorAreAsFarAsEveryPairOf
   std::vector<ObjectId> grounds;
   std::vector<ObjectId> others;
   for (const ObjectId id : all_of(*state)) {
-    const bool is_ground = (*state->objects)[slot_of(id)]->name.starts_with("half_space");
+    const bool is_ground = state->objects[slot_of(id)]->name.starts_with("half_space");
     (is_ground ? grounds : others).push_back(id);
   }
   ASSERT_EQ(grounds.size(), 2u);

@@ -207,7 +207,7 @@ TEST_F(WorldInside, RandomPointsAreDecidedAsByRationals) {
     if (oracle.side(oracle::seen_from(pose, p), random) != SolidSide::out) expected.insert("placed");
     inside(p);
     std::set<std::string> found;
-    for (const AnswerHit& hit : answers_.hits) found.insert((*lease_->objects)[slot_of(hit.object)]->name);
+    for (const AnswerHit& hit : answers_.hits) found.insert(lease_->objects[slot_of(hit.object)]->name);
     ASSERT_EQ(found, expected) << p.transpose();
     in += static_cast<int>(found.size());
     // A ball reaches as far as its radius and its centre's side say.

@@ -15,9 +15,8 @@ namespace {
 using extreme::Stage;
 
 Placed placed(const Snapshot& state, ObjectId id) {
-  return {.info = (*state.objects)[slot_of(id)].get(),
-          .frame = state.frame(slot_of(id)),
-          .bounds = state.bounds(slot_of(id))};
+  return {
+      .info = state.objects[slot_of(id)].get(), .frame = state.frame(slot_of(id)), .bounds = state.bounds(slot_of(id))};
 }
 
 /// The slow twin: the full contact of every pair that overlaps.

@@ -21,9 +21,8 @@ PairReport report(const World& world, ObjectId a, ObjectId b, const PairAsk& ask
 }
 
 Placed placed_by_frame(const Snapshot& state, ObjectId id) {
-  return {.info = (*state.objects)[slot_of(id)].get(),
-          .frame = state.frame(slot_of(id)),
-          .bounds = state.bounds(slot_of(id))};
+  return {
+      .info = state.objects[slot_of(id)].get(), .frame = state.frame(slot_of(id)), .bounds = state.bounds(slot_of(id))};
 }
 
 /// The slow twin: every part of the one with every part of the other.

@@ -42,8 +42,7 @@ class WorldPoseMemory : public testing::Test {
   }
   bool was_there(std::int64_t time_ns, ObjectId id) const {
     const std::shared_ptr<const Snapshot> state = world.memory().at(time_ns);
-    return state && slot_of(id) < state->objects->size() && (*state->objects)[slot_of(id)] &&
-           (*state->objects)[slot_of(id)]->id == id;
+    return state && state->objects.find(id) != nullptr;
   }
   Answers ray_down(std::int64_t time_ns, double x) const {
     const std::vector<double> numbers{x, 0, 10, 0, 0, -1, INFINITY};
@@ -172,17 +171,16 @@ TEST_F(WorldPoseMemory, IsWhatThePoseListsSayAtAnyInstant) {
                                                 static_cast<long double>(move.to_ns - move.from_ns));
         expected = expected + part * (move.pose - expected);
       }
-      const auto found = std::find_if(state->objects->begin(), state->objects->end(),
+      const auto found = std::find_if(state->objects.begin(), state->objects.end(),
                                       [&](const auto& info) { return info && info->name == truth.name; });
-      ASSERT_NE(found, state->objects->end()) << truth.name;
-      const auto slot = static_cast<std::size_t>(found - state->objects->begin());
+      ASSERT_NE(found, state->objects.end()) << truth.name;
+      const auto slot = static_cast<std::size_t>(found - state->objects.begin());
       EXPECT_EQ(slot_of((*found)->id), slot);
       ASSERT_LE((state->frames[slot].position - expected).norm(), 1e-12) << i << " at " << time_ns - kMemoryStart;
       ++compared;
     }
     const auto is_object = [](const auto& info) { return info != nullptr; };
-    EXPECT_EQ(static_cast<std::size_t>(std::count_if(state->objects->begin(), state->objects->end(), is_object)),
-              there);
+    EXPECT_EQ(static_cast<std::size_t>(std::count_if(state->objects.begin(), state->objects.end(), is_object)), there);
   }
   EXPECT_GT(compared, 1000);
 }

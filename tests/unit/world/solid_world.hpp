@@ -73,7 +73,7 @@ class SolidWorld : public testing::Test {
   std::string names() {
     std::string text;
     for (const AnswerHit& hit : answers_.hits)
-      text += (text.empty() ? "" : " ") + (*lease_->objects)[slot_of(hit.object)]->name;
+      text += (text.empty() ? "" : " ") + lease_->objects[slot_of(hit.object)]->name;
     return text;
   }
   void expect_first(double distance_m) {

@@ -21,7 +21,7 @@ class WhatIfTest : public testing::Test {
 
   std::vector<ObjectId> others(const std::vector<ObjectId>& left_out) const {
     std::vector<ObjectId> ids;
-    for (const auto& info : *state_->objects) {
+    for (const auto& info : state_->objects) {
       if (info && std::find(left_out.begin(), left_out.end(), info->id) == left_out.end()) ids.push_back(info->id);
     }
     return ids;
