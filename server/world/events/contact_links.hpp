@@ -17,14 +17,14 @@ class ContactLinks {
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
   /// One of the two objects of a contact.
-  struct Side {
+  struct LinkedSide {
     std::uint32_t slot = 0;
     bool meets_faces = false;  // the other one has flat faces
   };
 
   /// The next number is the contact of these two. is_at_faces: see set_at_faces().
-  void add(const Side& a, const Side& b, bool is_at_faces) {
-    for (const Side& side : {a, b}) {
+  void add(const LinkedSide& a, const LinkedSide& b, bool is_at_faces) {
+    for (const LinkedSide& side : {a, b}) {
       if (side.slot >= lists_.size()) lists_.resize(side.slot + 1);
       reserve_column(links_, links_.size() + 1, 4);
       links_.push_back({.slot = side.slot & kSlotBits, .meets_faces = side.meets_faces});
@@ -77,7 +77,7 @@ class ContactLinks {
     std::uint32_t before = kNone;
     std::uint32_t after = kNone;
   };
-  struct Lists {
+  struct LinkLists {
     std::uint32_t first[2] = {kNone, kNone};  // of the others, of those at flat faces
     std::uint32_t face_count = 0;
   };
@@ -107,8 +107,8 @@ class ContactLinks {
     return true;
   }
 
-  std::vector<Lists> lists_;  // by slot
-  std::vector<Link> links_;   // two a contact, one for each object
+  std::vector<LinkLists> lists_;  // by slot
+  std::vector<Link> links_;       // two a contact, one for each object
 };
 
 }  // namespace collided::engine

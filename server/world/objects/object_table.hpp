@@ -21,7 +21,7 @@ class ObjectTable {
   static constexpr std::size_t kChunk = 64;  // slots
 
   /// What is counted over all objects, so that asking for it costs nothing.
-  struct Counts {
+  struct ObjectCounts {
     std::uint32_t objects = 0;
     std::uint32_t moving = 0;
     std::uint32_t unknown = 0;  // of which it is not known what is in them
@@ -40,7 +40,7 @@ class ObjectTable {
     return found != nullptr && found->id == id ? found : nullptr;
   }
 
-  const Counts& counts() const { return counts_; }
+  const ObjectCounts& counts() const { return counts_; }
   std::uint64_t version() const { return version_; }
   /// Changes only with the parts of scenes, or the scenes themselves.
   std::uint64_t parts_version() const { return parts_version_; }
@@ -62,7 +62,7 @@ class ObjectTable {
   std::vector<std::uint64_t> chunk_versions_;
   std::uint64_t version_ = 0;
   std::uint64_t parts_version_ = 0;
-  Counts counts_;
+  ObjectCounts counts_;
 };
 
 }  // namespace collided::engine

@@ -17,9 +17,7 @@ class Comparisons : public testing::Test {
     made.digest.sums[0] = sum;
     return made;
   }
-  static std::shared_ptr<const Snapshot> nobody() {
-    return std::make_shared<Snapshot>();
-  }
+  static std::shared_ptr<const Snapshot> nobody() { return std::make_shared<Snapshot>(); }
 
   WorldComparison comparison;
 };

@@ -68,7 +68,7 @@ TEST(ObjectTable, EachStateHasTheObjectsOfItsStep) {
     ASSERT_TRUE(world.step(step, 1, {}));
     const SnapshotRing::Lease now = world.newest();
     ASSERT_EQ(names_in(now->objects), names_in(world.objects())) << "step " << step;
-    ObjectTable::Counts counts;
+    ObjectTable::ObjectCounts counts;
     for (const auto& info : now->objects) {
       if (!info) continue;
       ++counts.objects;
