@@ -12,11 +12,14 @@ namespace {
 
 /// With more changed boxes than one in this many, a rebuild costs less than searching two indexes from then on.
 constexpr std::size_t kRebuildShare = 16;
+/// Up to this many boxes are indexed anew in less time than an index is updated.
+constexpr std::size_t kFewNewer = 64;
 
 }  // namespace
 
-/// The boxes of the last rebuild, and over them those that changed since. A box of the second kind is hidden in the
-/// first.
+/// The boxes of the last rebuild, and over them those that changed since, in a grid of their own, which is updated in the
+/// same way: a box that changes costs a rebuild of few, and its part of a rebuild of each of the larger ones. A box of the
+/// second kind is hidden in the first.
 struct Grid::Storage {
   Use use = Use::questions;
   std::shared_ptr<grid::Levels> base = std::make_shared<grid::Levels>();  // others may read it: written while unshared
@@ -27,17 +30,19 @@ struct Grid::Storage {
   std::shared_ptr<grid::RebuildScratch> scratch = std::make_shared<grid::RebuildScratch>();
   std::size_t box_count = 0;     // that it was last rebuilt or updated with, empty ones included
   std::size_t hidden_count = 0;  // boxes of base that are not empty there and hidden
-  grid::Levels over;             // of newer_boxes, numbered by their place in there
+  std::unique_ptr<Grid> over;    // of newer_boxes, numbered by their place in there; null or old while there are none
 
   bool hides(std::uint32_t number) const {
     return number / 64 < is_newer.size() && (is_newer[number / 64] >> number % 64 & 1) != 0;
   }
-  void hide(std::uint32_t number) {
-    if (hides(number)) return;
+  /// Hides a box that is not hidden yet; it becomes the last of the newer ones.
+  void hide(std::uint32_t number, const Aabb& box) {
     is_newer[number / 64] |= std::uint64_t{1} << number % 64;
     newer.push_back(number);
+    newer_boxes.push_back(box);
     hidden_count += base->holds(number) ? 1 : 0;
   }
+  void index_newer(const Storage& old, std::span<const Aabb> boxes, std::vector<std::uint32_t>& again);
 };
 
 Grid::Grid(Use use) : storage_(std::make_unique<Storage>()) { storage_->use = use; }
@@ -48,6 +53,7 @@ Grid& Grid::operator=(Grid&&) noexcept = default;
 void Grid::rebuild(std::span<const Aabb> boxes) {
   Storage& s = *storage_;
   s.newer.clear();
+  s.newer_boxes.clear();
   s.is_newer.clear();
   s.hidden_count = 0;
   s.box_count = boxes.size();
@@ -65,27 +71,54 @@ void Grid::update(const Grid& before, std::span<const Aabb> boxes, std::span<con
   s.box_count = boxes.size();
   s.base = old.base;
   s.newer = old.newer;
+  s.newer_boxes = old.newer_boxes;
   s.is_newer = old.is_newer;
   s.hidden_count = old.hidden_count;
   s.is_newer.resize(boxes.size() / 64 + 1);
-  for (const std::uint32_t number : changed) s.hide(number);
+  std::vector<std::uint32_t> again;
+  for (const std::uint32_t number : changed) {
+    if (s.hides(number)) again.push_back(number);
+    else s.hide(number, boxes[number]);
+  }
   if (s.newer.size() > most) return rebuild(boxes);
-  s.newer_boxes.clear();
-  for (const std::uint32_t number : s.newer) s.newer_boxes.push_back(boxes[number]);
-  s.over.rebuild(s.newer_boxes, s.use == Use::questions, *s.scratch);
+  s.index_newer(old, boxes, again);
+}
+
+/// Brings `over` up to date where `newer` has some more than in the old one, at its end.
+///
+/// again  numbers of those that are in the old one, or twice among the new ones, and changed; sorted here
+void Grid::Storage::index_newer(const Storage& old, std::span<const Aabb> boxes, std::vector<std::uint32_t>& again) {
+  if (!over) over = std::make_unique<Grid>(use);
+  const std::size_t change_count = again.size() + newer.size() - old.newer.size();
+  if (newer.size() <= kFewNewer || old.newer.empty() || change_count > newer.size() / kRebuildShare) {
+    for (std::size_t place = 0; place < newer.size(); ++place) newer_boxes[place] = boxes[newer[place]];
+    return over->rebuild(newer_boxes);
+  }
+  std::vector<std::uint32_t> places;
+  std::sort(again.begin(), again.end());
+  for (std::uint32_t place = 0; place < old.newer.size() && !again.empty(); ++place) {
+    if (!std::binary_search(again.begin(), again.end(), newer[place])) continue;
+    newer_boxes[place] = boxes[newer[place]];
+    places.push_back(place);
+  }
+  for (std::size_t place = old.newer.size(); place < newer.size(); ++place) {
+    places.push_back(static_cast<std::uint32_t>(place));
+  }
+  over->update(*old.over, newer_boxes, places);
 }
 
 std::size_t Grid::size() const {
   const Storage& s = *storage_;
-  return s.base->entry_count - s.hidden_count + (s.newer.empty() ? 0 : s.over.entry_count);
+  return s.base->entry_count - s.hidden_count + (s.newer.empty() ? 0 : s.over->size());
 }
 
 bool Grid::is_swept() const { return storage_->newer.empty() && storage_->base->few.size() > 0; }
 
 std::size_t Grid::bytes() const {
   const Storage& s = *storage_;
-  return s.base->bytes() + s.over.bytes() + s.scratch->bytes() + s.is_newer.capacity() * sizeof(s.is_newer[0]) +
-         s.newer.capacity() * sizeof(s.newer[0]) + s.newer_boxes.capacity() * sizeof(s.newer_boxes[0]);
+  return s.base->bytes() + (s.over ? s.over->bytes() : 0) + s.scratch->bytes() +
+         s.is_newer.capacity() * sizeof(s.is_newer[0]) + s.newer.capacity() * sizeof(s.newer[0]) +
+         s.newer_boxes.capacity() * sizeof(s.newer_boxes[0]);
 }
 
 void Grid::pairs(PairFound found, WalkCost& cost) const {
@@ -96,7 +129,7 @@ void Grid::pairs(PairFound found, WalkCost& cost) const {
   const auto tell_base = [&](std::uint32_t a, std::uint32_t b) { return s.hides(a) || s.hides(b) || tell(a, b); };
   const auto tell_over = [&](std::uint32_t a, std::uint32_t b) { return tell(s.newer[a], s.newer[b]); };
   grid::find_pairs(*s.base, tell_base, cost);
-  if (goes_on) grid::find_pairs(s.over, tell_over, cost);
+  if (goes_on) s.over->pairs(tell_over, cost);
   for (std::size_t i = 0; i < s.newer.size() && goes_on; ++i) {
     const auto tell_across = [&](std::uint32_t other) { return s.hides(other) || tell(s.newer[i], other); };
     grid::walk_box(*s.base, s.newer_boxes[i], tell_across, cost);
@@ -110,34 +143,39 @@ void Grid::walk_box(const Aabb& asked, BoxFound found, WalkCost& cost) const {
   const auto tell = [&](std::uint32_t number) { return s.hides(number) || (goes_on = found(number)); };
   grid::walk_box(*s.base, asked, tell, cost);
   const auto tell_over = [&](std::uint32_t place) { return found(s.newer[place]); };
-  if (goes_on) grid::walk_box(s.over, asked, tell_over, cost);
+  if (goes_on) s.over->walk_box(asked, tell_over, cost);
 }
 
 /// Walks what was rebuilt last and then what changed since, within the limit that the first walk leaves.
-/// walk(levels, limit, found): in one of the two.
-template <class Found, class Walk>
-void Grid::walk_both(double limit, const Found& found, const Walk& walk) const {
+///
+/// walk_base(levels, limit, found), walk_over(grid, limit, found): in one of the two
+template <class Found, class WalkBase, class WalkOver>
+void Grid::walk_both(double limit, const Found& found, const WalkBase& walk_base, const WalkOver& walk_over) const {
   const Storage& s = *storage_;
-  if (s.newer.empty()) return walk(*s.base, limit, found);
+  if (s.newer.empty()) return walk_base(*s.base, limit, found);
   double reached = limit;
   const auto tell = [&](std::uint32_t number, double current) {
     return s.hides(number) ? current : reached = found(number, current);
   };
-  walk(*s.base, limit, Found(tell));
+  walk_base(*s.base, limit, Found(tell));
   const auto tell_over = [&](std::uint32_t place, double current) { return found(s.newer[place], current); };
-  walk(s.over, reached, Found(tell_over));
+  walk_over(*s.over, reached, Found(tell_over));
 }
 
 void Grid::walk_ray(const Ray& ray, double limit, RayFound found, WalkCost& cost) const {
-  walk_both(limit, found, [&](const grid::Levels& levels, double from, RayFound tell) {
-    grid::walk_ray(levels, ray, from, tell, cost);
-  });
+  walk_both(
+      limit, found,
+      [&](const grid::Levels& levels, double from, RayFound tell) { grid::walk_ray(levels, ray, from, tell, cost); },
+      [&](const Grid& over, double from, RayFound tell) { over.walk_ray(ray, from, tell, cost); });
 }
 
 void Grid::walk_near(const Vec3& point, double limit_m2, NearFound found, WalkCost& cost) const {
-  walk_both(limit_m2, found, [&](const grid::Levels& levels, double from_m2, NearFound tell) {
-    grid::walk_near(levels, point, from_m2, tell, cost);
-  });
+  walk_both(
+      limit_m2, found,
+      [&](const grid::Levels& levels, double from_m2, NearFound tell) {
+        grid::walk_near(levels, point, from_m2, tell, cost);
+      },
+      [&](const Grid& over, double from_m2, NearFound tell) { over.walk_near(point, from_m2, tell, cost); });
 }
 
 }  // namespace collided::engine

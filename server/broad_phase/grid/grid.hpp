@@ -27,9 +27,9 @@ class Grid {
   /// Boxes are numbered by their index in the span; empty ones are left out. Keeps its memory between calls.
   void rebuild(std::span<const Aabb> boxes);
   /// The same as rebuild(boxes), where `before` holds them all but for those changed, which may be named twice. A few
-  /// are put into an index of their own over what `before` was built of, which is shared and not copied: the cost
-  /// follows how many changed since, not how many there are. Many changes make it rebuild. From then on
-  /// the two must not be rebuilt or updated at once: they share the memory for it.
+  /// are put into an index of their own over what `before` was built of, which is shared and not copied; so are they over
+  /// those that changed before them. The cost follows how many change, not how many there are. Many changes make it
+  /// rebuild. From then on the two must not be rebuilt or updated at once: they share the memory for it.
   void update(const Grid& before, std::span<const Aabb> boxes, std::span<const std::uint32_t> changed);
 
   /// Number of boxes that are not empty.
@@ -57,8 +57,8 @@ class Grid {
 
  private:
   struct Storage;
-  template <class Found, class Walk>
-  void walk_both(double limit, const Found& found, const Walk& walk) const;
+  template <class Found, class WalkBase, class WalkOver>
+  void walk_both(double limit, const Found& found, const WalkBase& walk_base, const WalkOver& walk_over) const;
 
   std::unique_ptr<Storage> storage_;
 };

@@ -326,6 +326,38 @@ TEST(BroadGrid, UpdatedBoxesAreFoundAsAfterARebuild) {
   }
 }
 
+// A few that change in each of many updates are in indexes over indexes: those that change again are found where they are
+// now, and only there.
+TEST(BroadGrid, ATrickleOfChangesIsFoundAsAfterARebuild) {
+  std::mt19937_64 random = oracle::seeded(20261127);
+  constexpr std::size_t kCount = 4'000;
+  const auto any_box = [&] { return make_box(8 * in_cube(random), 0.5 * in_cube(random).cwiseAbs()); };
+  std::vector<Aabb> boxes;
+  while (boxes.size() < kCount) boxes.push_back(any_box());
+  Grid grids[3];  // as many as there are states under way
+  grids[0].rebuild(boxes);
+  std::vector<std::uint32_t> changed_before;
+  for (int step = 0; step < 400; ++step) {
+    std::vector<std::uint32_t> changed;
+    for (std::size_t i = 0; i < random() % 4; ++i) {
+      const bool is_again = !changed_before.empty() && random() % 2 == 0;
+      changed.push_back(is_again ? changed_before[random() % changed_before.size()]
+                                 : static_cast<std::uint32_t>(random() % boxes.size()));
+      boxes[changed.back()] = random() % 5 == 0 ? Aabb{} : any_box();
+    }
+    if (step % 3 == 0) {
+      changed.push_back(static_cast<std::uint32_t>(boxes.size()));
+      boxes.push_back(any_box());
+    }
+    changed_before.insert(changed_before.end(), changed.begin(), changed.end());
+    Grid& grid = grids[(step + 1) % 3];
+    grid.update(grids[step % 3], boxes, changed);
+    const auto held = std::count_if(boxes.begin(), boxes.end(), [](const Aabb& box) { return !box.empty(); });
+    ASSERT_EQ(grid.size(), static_cast<std::size_t>(held)) << "step " << step;
+    if (step % 20 == 0) expect_right(grid, boxes, 8, random);
+  }
+}
+
 TEST(BroadGrid, AnUpdateOfFewAmongManyLooksAtFew) {
   std::mt19937_64 random = oracle::seeded(20261125);
   std::vector<Aabb> boxes;
