@@ -97,6 +97,7 @@ inline constexpr const char* kAudit = "audit";
 ///    cut_short (searches that ended at their limit)},
 ///    poses {applied, late, unknown, refused, superseded, dropped}, stamps {late, jumped, missing},
 ///    clocks [{publisher, behind_ns}], refused (requests), undecided (answers),
+///    filters_dropped (name patterns that were worked out and gave their memory to others),
 ///    questions [{kind, answered, durations [[ns at most, count]]}] (durations of the samples that they come in),
 ///    not_built [structure], tiles [{scene, read, of (tiles of its file), triangles (held), triangles_of_file}] (scenes in tiles)
 inline constexpr const char* kFigures = "figures";

@@ -110,6 +110,7 @@ json Commands::figures(const Arguments& arguments) const {
           {"questions", questions(with_.counts)},
           {"refused", with_.counts.refused.load()},
           {"undecided", with_.counts.undecided.load()},
+          {"filters_dropped", with_.counts.filters_dropped.load()},
           {"not_built", not_built},
           {"tiles", tiles_of(*state)}};
 }

@@ -251,12 +251,15 @@ void Answering::Worker::answer_questions(Client& client, Ask& ask, const ObjectI
   const Snapshot& state = ask.past ? *ask.past : *lease;
   const std::size_t left = rows.size() / engine::numbers_of(questions.kind);
   if (left > 1) questions.pause_ns = steady_ns() + kTurnNs;
+  const std::uint64_t dropped_before = scratch_.filters.dropped();
   engine::answer(state, questions, answers_, scratch_);
   const std::size_t answered = answers_.answers.size();
   if (answered > 0 && answered < left && !ask.past && !ask.hold && !owner_.with_.leases.keep(ask, lease, steady_ns())) {
     questions.pause_ns = questions.give_up_ns = 0;  // the rest needs this state, which cannot be kept
     engine::answer(state, questions, answers_, scratch_);
   }
+  if (const std::uint64_t dropped = scratch_.filters.dropped() - dropped_before; dropped > 0)
+    owner_.with_.counts.filters_dropped += dropped;
   is_paused_ = is_unfinished(client, left);
   if (is_paused_ && answers_.answers.empty()) return;
   // Objects may be missing until their publishers are back. A hit is real all the same, and enough where any hit will

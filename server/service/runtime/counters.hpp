@@ -20,6 +20,7 @@ struct QuestionCounts {
   std::array<std::array<std::atomic<std::uint64_t>, 3>, kKinds> levels{};
   std::array<DurationCounts, kKinds> durations{};  // by QuestionKind, from taking a chunk to writing its answers
   std::atomic<std::uint64_t> float_repairs{0};     // times that a thread's floating-point settings had to be restored
+  std::atomic<std::uint64_t> filters_dropped{0};   // name patterns whose filter gave its memory to another's
   std::atomic<std::uint64_t> unanswerable{0};      // no room for the client or the refusal, or nothing read the reply
 };
 
