@@ -68,13 +68,15 @@ int main(int argc, char** argv) try {
   take(growth::triangle_laws(a.setting));
   take(growth::mover_laws(a.setting));
   take(growth::contact_laws(a.setting));
+  take(growth::change_laws(a.setting));
   if (!a.service.empty()) take(growth::service_laws(text_of(a.service)));
   const std::string table = growth::table(laws);
   std::ofstream(out / "growth.txt") << table;
   growth::write_samples(out / "growth.csv", laws, a.from);
   const report::Heading heading{"Collided: how it grows",
                                 "Whole answers and whole steps, as users get them, from a thousand to ten million "
-                                "triangles, a hundred to a million movers and contacts, one to 64 clients.",
+                                "triangles, a hundred to a million movers and contacts, a thousand to a million "
+                                "objects of which few change, one to 64 clients.",
                                 "growth.csv"};
   std::ofstream(out / "growth.html") << report::page(growth::growth_figures(laws), a.from, report::today(), heading);
   fmt::print("{}{}\n", table, (out / "growth.html").string());
