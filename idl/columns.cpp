@@ -62,6 +62,14 @@ std::size_t room_of(const Query& query) {
   return bytes;
 }
 
+std::int64_t busy_ns(const Status& status) {
+  const auto publishers = dds::view(status.publishers);
+  const auto silent = dds::view(status.silent_ns);
+  const bool is_busy =
+      !publishers.empty() && publishers.size() == silent.size() && publishers.back() == wire_contract::kBusyWorld;
+  return is_busy ? std::max<std::int64_t>(1, silent.back()) : 0;
+}
+
 void clear_questions(Query& query) {
   for (const auto sequence : kQuestionSequences) dds::borrow(query.*sequence, std::span<const double>());
 }

@@ -119,6 +119,9 @@ inline void copy_rows(std::uint32_t width, const double* from, std::size_t from_
   }
 }
 
+/// How long the server's world has been busy with one step, by this status; 0: it is not (kBusyWorld).
+std::int64_t busy_ns(const Status& status);
+
 /// Puts rows into `memory` column by column and points the message there: `memory` must outlive the write.
 template <class Message>
 void lend_columns(std::span<const double> rows, Columns<Message> columns, std::vector<double>& memory,

@@ -214,6 +214,11 @@ inline constexpr std::int64_t kMostGapNs = 8'000'000'000;
 inline constexpr std::uint32_t kPublisherItself = 0xffffffff;
 /// From one status to the next.
 inline constexpr std::int64_t kStatusPeriodNs = 50'000'000;
+/// In a Status's publishers: no publisher but the thread that steps the world, listed last while one step keeps it from
+/// writing a status. Its silent_ns is how long that has lasted; all other columns are those of the status before.
+inline constexpr std::uint64_t kBusyWorld = 0;
+/// A world whose step lasts longer than this stands still for a standby: the server hangs.
+inline constexpr std::int64_t kWorldHangsNs = 10'000'000'000;
 /// From one message of a member about itself to the next.
 inline constexpr std::int64_t kMemberPeriodNs = 500'000'000;
 /// Without a status for this long, the client library reports "disconnected". Nearly five periods, so that an

@@ -96,6 +96,7 @@ typedef struct collided_status {
   uint32_t moving;
   uint32_t contacts;
   int32_t contacts_truncated;
+  int64_t step_lasting_ns; /* of the step under way; 0: no step takes longer than statuses are apart */
 } collided_status;
 
 /* What the server said of itself last. */

@@ -66,6 +66,8 @@ void write_status(Writer& to, const ServerStatus& status) {
   to.line(1, fmt::format("namespace={},version={},state={}", label(status.name_space), label(status.version_text),
                          label(status.state)));
   to.one("ready", "gauge", "1 while everything that was acknowledged is there.", status.state == "ready" ? 1 : 0);
+  to.one("step_lasting_seconds", "gauge", "How long the step under way has lasted; 0 between steps and in short ones.",
+         std::chrono::duration<double>(status.step_lasting).count());
   to.one("epoch", "gauge", "Grows with each start of a server.", status.epoch);
   to.one("world_version", "gauge", "Changes of the world.", status.version);
   to.one("objects", "gauge", "Objects in the world, with the parts of scenes.", status.objects);

@@ -276,6 +276,7 @@ std::string status_text(const ServerStatus& status, const std::optional<Figures>
             {"contacts_truncated", status.contacts_truncated},
             {"questions_answered", status.questions_answered},
             {"undecided_answers", status.undecided_answers},
+            {"step_lasting", seconds(status.step_lasting)},
             {"publishers", publishers}};
   if (recent) text["recent"] = recent_text(*recent);
   return text_of(text);

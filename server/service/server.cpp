@@ -377,6 +377,10 @@ std::string Server::start() {
   if (p.durable) p.commands.replay(p.durable->commands_left());
   if (p.is_standby() && !p.is_replica()) p.event_writer.fall_silent();
   p.world_thread = std::thread([&p] { p.loop.run(); });
+  p.heartbeat.emplace([&p](std::int64_t now_ns) {
+    // The world's thread may have no time to fall silent where another server has this one's place.
+    if (!p.succession.has_given_way()) p.event_writer.repeat_status(now_ns, p.loop.state());
+  });
   if (!p.is_standby() || p.is_replica()) p.be_present();
   if (p.is_standby()) p.stand_by();
   p.membership = std::make_unique<Membership>(p.participant, p.identity, p.describe_self(), p.world, p.clock,
@@ -427,6 +431,7 @@ void Server::stop() {
   p.audit.stop();
   p.loop.stop();
   p.world_thread.join();
+  p.heartbeat.reset();
   p.listeners.reset();
   p.event_writer.leave();
   // Who comes next may have the place once nothing more is told.

@@ -17,6 +17,7 @@
 #include "server/service/durability/durable_state.hpp"
 #include "server/service/durability/epoch.hpp"
 #include "server/service/events/dds_event_writer.hpp"
+#include "server/service/events/heartbeat.hpp"
 #include "server/service/fleet/change_feed.hpp"
 #include "server/service/fleet/handover_words.hpp"
 #include "server/service/fleet/membership.hpp"
@@ -138,6 +139,7 @@ struct Server::Parts {
   std::unique_ptr<Answering> answering;
   std::unique_ptr<Listeners> listeners;
   std::thread world_thread;
+  std::optional<Heartbeat> heartbeat;  // while the world's thread runs
   std::optional<wire_contract::Presence> presence;
   Succession succession;
   ServedFollowers followers;         // of a primary

@@ -92,8 +92,8 @@ void WorldLoop::count_taking(std::int64_t now_ns) {
   taking_since_ns_ = now_ns;
 }
 
-/// Writes a status twenty times a second, however much has come in: a client that gets none for 0.24 s (kStatusLostNs)
-/// takes the server for dead. Every tenth of a second does what is due less often.
+/// Writes a status twenty times a second, however much has come in. While a step takes longer, the heartbeat repeats it.
+/// Every tenth of a second does what is due less often.
 void WorldLoop::keep_time() {
   constexpr std::int64_t kTickNs = 100'000'000;
   const std::int64_t now_ns = steady_ns();
@@ -440,11 +440,19 @@ void WorldLoop::ask_publishers_again() {
 void WorldLoop::list_publisher_names() {
   const std::lock_guard lock(publisher_names_mutex_);
   publisher_names_.clear();
+  publisher_clocks_.clear();
   publishers_.for_each(with_.clock.now_ns(), [&](const PublisherView& view) {
     publisher_names_.emplace(view.publisher, view.name);
     status_.publisher_names.insert(status_.publisher_names.end(), view.name.begin(), view.name.end());
     status_.publisher_names.push_back(0);
+    if (view.state == wire_contract::PublisherState::alive && view.behind_ns)
+      publisher_clocks_.push_back({std::string(view.name), *view.behind_ns});
   });
+}
+
+std::vector<WorldLoop::PublisherClock> WorldLoop::publisher_clocks() const {
+  const std::lock_guard lock(publisher_names_mutex_);
+  return publisher_clocks_;
 }
 
 std::string WorldLoop::publisher_name(std::uint64_t publisher) const {

@@ -119,6 +119,13 @@ class WorldLoop {
   std::int64_t step_period_ns() const { return options_.step_ns; }
   /// The publisher's name as of the last status; empty: unknown. Any thread.
   std::string publisher_name(std::uint64_t publisher) const;
+  /// A publisher that lives, and how far its clock is behind the server's.
+  struct PublisherClock {
+    std::string name;
+    std::int64_t behind_ns = 0;
+  };
+  /// As of the last status. Any thread.
+  std::vector<PublisherClock> publisher_clocks() const;
   /// Whether something from before a crash may not be back yet. Any thread.
   bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
   /// Whether everything that is known of is there. Any thread.
@@ -201,8 +208,9 @@ class WorldLoop {
   ProbeColumns probe_columns_;
   StatusColumns status_;
   WriteBarriers::Applied applied_;            // as of the newest published state
-  mutable std::mutex publisher_names_mutex_;  // for publisher_names_, which other threads read
+  mutable std::mutex publisher_names_mutex_;  // for the next two, which other threads read
   std::map<std::uint64_t, std::string> publisher_names_;
+  std::vector<PublisherClock> publisher_clocks_;
 };
 
 }  // namespace collided::engine::service

@@ -346,6 +346,7 @@ TEST_F(Fields, OfAStatusAreTheServersOwn) {
   status.questions_answered = 12;
   status.questions_refused = 13;
   status.undecided_answers = 14;
+  status.step_lasting = std::chrono::milliseconds(1'500);
   status.age = std::chrono::milliseconds(15'500);
   status.publishers = {{"p", 16, std::chrono::milliseconds(17'500), true},
                        {"q", 18, std::chrono::milliseconds(19'500), false}};
@@ -358,11 +359,11 @@ TEST_F(Fields, OfAStatusAreTheServersOwn) {
       json::parse(
           R"({"state":"ready","version_text":"v","pid":1,"domain":20,"namespace":"ns","epoch":2,"world":3,"world_time":4.5,"scenes":["s","t"],
                             "static_triangles":7,"objects":8,"moving":9,"contacts":6,"contacts_truncated":true,"keeps_nothing":false,"poses_applied":10,"poses_dropped":11,
-                            "questions_answered":12,"questions_refused":13,"undecided_answers":14,"last_event_sequence":5,"age":15.5,
+                            "questions_answered":12,"questions_refused":13,"undecided_answers":14,"last_event_sequence":5,"step_lasting":1.5,"age":15.5,
                             "publishers":[{"name":"p","applied_sequence":16,"silent":17.5,"lost":true},{"name":"q","applied_sequence":18,"silent":19.5,"lost":false}]})"));
   const std::string text = at_terminal("--domain 20 status").out;
   EXPECT_EQ(text.substr(0, text.find("contacts are missing")),
-            "collided v pid 1  domain 20  namespace ns  ready\n"
+            "collided v pid 1  domain 20  namespace ns  ready, step has lasted 1.5 s\n"
             "scene s, t  7 triangles  ·  8 objects, 9 moving  ·  6 open contacts  ·  world 3\n"
             "poses 10 applied, 11 dropped  ·  questions 12 answered, 13 refused, 14 undecided\n");
 }

@@ -184,6 +184,8 @@ export async function thePastIsNotAskedAbout() {
   check(world.asked.filter(({ ask }) => ask === "ray" || ask === "near").length === before, "the server was asked");
   await page.click("#live");
   await until("now it is silent", () => page.evaluate(() => Boolean(document.querySelector("#publishers .wrong"))));
+  world.tell(world.status({ step_lasting: 3.25 }));
+  await until("a long step is said", async () => /^ready, step has lasted 3\.\d+ s ·/.test(await textOf(page, "#state")));
   await page.selectOption("#tool", "ray");
   await shut(page);
 }

@@ -143,6 +143,7 @@ TEST(PageMessages, AStatusHasEveryFigure) {
   status.moving = 11;
   status.questions_answered = 12;
   status.undecided_answers = 13;
+  status.step_lasting = std::chrono::milliseconds(2'500);
   PublisherInfo publisher;
   publisher.name = "robot";
   publisher.silent = std::chrono::milliseconds(250);
@@ -165,6 +166,7 @@ TEST(PageMessages, AStatusHasEveryFigure) {
                 {"contacts_truncated", true},
                 {"questions_answered", 12},
                 {"undecided_answers", 13},
+                {"step_lasting", 2.5},
                 {"in_doubt", nullptr},
                 {"publishers", {{{"name", "robot"}, {"messages", 14}, {"silent", 0.25}, {"lost", true}}}}};
   EXPECT_EQ(json::parse(status_text(status, std::nullopt)), expected);

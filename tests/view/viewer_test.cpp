@@ -3,10 +3,12 @@
 #include <atomic>
 #include <filesystem>
 #include <fstream>
+#include <regex>
 #include <thread>
 
 #include "collided/client.hpp"
 #include "tests/service/child_process.hpp"
+#include "tests/service/long_step.hpp"
 #include "tests/view/loud_client.hpp"
 
 namespace collided {
@@ -97,6 +99,24 @@ TEST_F(Viewing, APageHearsOfEverything) {
 }
 
 // What the flight recorder holds is fetched by its number, an MCAP file, for as long as nothing newer was asked for.
+// While a step lasted for seconds, a page wrote that no server answers.
+TEST_F(Viewing, APageIsToldThatTheServerIsBusyAndNeverThatItIsSilent) {
+  ASSERT_NO_FATAL_FAILURE(start());
+  Result<Client> client = Client::connect({.domain = testing_support::own_domain(), .wait = kPatience});
+  ASSERT_TRUE(client) << client.error().message;
+  testing_support::LongStep crowd(*client);
+  const LoudClient page = open("/live");
+  page.read_until("\"type\":\"status\"", kPatience);
+  crowd.begin();
+  const std::regex lasting(R"("step_lasting":(0\.[5-9]|[1-9]))");
+  std::string told;
+  const auto until = std::chrono::steady_clock::now() + kPatience;
+  while (!std::regex_search(told, lasting) && std::chrono::steady_clock::now() < until)
+    told += page.read_until("\"type\":\"status\"", 2s) + page.read_until("}", 1s);
+  EXPECT_TRUE(std::regex_search(told, lasting)) << "no status told of a step that lasts";
+  EXPECT_EQ(told.find("\"type\":\"silent\""), std::string::npos);
+}
+
 TEST_F(Viewing, ThePageGetsWhatTheServerRemembers) {
   ASSERT_NO_FATAL_FAILURE(start());
   const LoudClient page = open("/live");

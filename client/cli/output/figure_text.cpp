@@ -11,6 +11,13 @@
 
 namespace collided::cli {
 
+std::string state_text(const ServerStatus& status) {
+  constexpr std::chrono::milliseconds kLong{500};
+  std::string text = printable(status.state);
+  if (status.step_lasting > kLong) text += ", step has lasted " + format_duration(status.step_lasting);
+  return text;
+}
+
 double per_second(std::uint64_t count, const view::Figures& figures) {
   return static_cast<double>(count) / std::max(1e-9, seconds_of(std::chrono::nanoseconds(figures.up_ns)));
 }

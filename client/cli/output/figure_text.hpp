@@ -4,10 +4,13 @@
 #include <vector>
 
 #include "client/view/figures.hpp"
+#include "collided/client.hpp"
 
 // A server's figures as short texts, for `collide top`.
 namespace collided::cli {
 
+/// The state that a server is in; with it how long a step has lasted where that takes more than half a second.
+std::string state_text(const ServerStatus& status);
 /// How many a second: a count over the time of the figures.
 double per_second(std::uint64_t count, const view::Figures& figures);
 /// How many in each step of the world; 0 where there was none.

@@ -139,7 +139,7 @@ std::vector<std::string> top_lines(const Look& look) {
   lines.push_back(fmt::format("collided {} · {} · up {} · world {} · {}", printable(status.version_text),
                               status.scenes.empty() ? "no scene" : "scene " + joined(status.scenes),
                               format_duration(std::chrono::nanoseconds(look.up_ns)), format_count(status.version),
-                              printable(status.state)));
+                              state_text(status)));
   add_questions(look, lines);
   lines.push_back(fmt::format("POSES  {}, {} moving   {}   late {}   lost {}", counted(status.objects, "object"),
                               format_count(status.moving), rate_text(per_second(figures.poses_applied, figures)),
@@ -196,6 +196,7 @@ std::vector<Record> top_records(const Look& look) {
   add("stamps.late", per_second(figures.stamps_late, figures), "1/s");
   add("stamps.jumped", per_second(figures.stamps_jumped, figures), "1/s");
   add("stamps.missing", per_second(figures.stamps_missing, figures), "1/s");
+  add("step.lasting", seconds_of(status.step_lasting), "s");
   add("step.rate", per_second(figures.steps, figures), "1/s");
   quantiles("step", figures.step_durations);
   for (const view::Stage& stage : figures.stages)

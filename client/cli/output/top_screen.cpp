@@ -203,7 +203,7 @@ std::vector<std::string> top_screen(const Look& look, const TopHistory& history,
   const ServerStatus& status = look.status;
   std::vector<std::string> lines;
   lines.push_back(fmt::format("collided {} · {} · up {} · {} · world {}", printable(status.version_text),
-                              printable(status.state), format_duration(std::chrono::nanoseconds(look.up_ns)),
+                              state_text(status), format_duration(std::chrono::nanoseconds(look.up_ns)),
                               status.scenes.empty() ? "no scene" : joined_names(status.scenes),
                               format_count(status.version)));
   if (!note.empty()) lines.emplace_back(note);

@@ -4,6 +4,7 @@
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"
+#include "client/cli/output/figure_text.hpp"
 #include "client/cli/server_command.hpp"
 #include "idl/commands.hpp"
 #include "client/cli/output/readable.hpp"
@@ -124,9 +125,10 @@ class StatusCommand : public Command {
   }
 
   static void print_text(Printer& printer, const ServerStatus& status, int domain) {
-    const Paint paint = status.state == "ready" ? Paint::good : Paint::doubt;
+    const bool is_well = status.state == "ready" && status.step_lasting < std::chrono::seconds(1);
+    const Paint paint = is_well ? Paint::good : Paint::doubt;
     printer.line(fmt::format("collided {} pid {}  domain {}  namespace {}  {}", status.version_text, status.pid, domain,
-                             printable(status.name_space), printer.paint(paint, status.state)));
+                             printable(status.name_space), printer.paint(paint, state_text(status))));
     std::string scenes;
     for (const std::string& scene : status.scenes) scenes += (scenes.empty() ? "" : ", ") + printable(scene);
     printer.line(fmt::format("scene {}  {}  ·  {}, {} moving  ·  {}  ·  world {}", scenes.empty() ? "(none)" : scenes,
@@ -176,6 +178,7 @@ class StatusCommand : public Command {
             {"questions_refused", status.questions_refused},
             {"undecided_answers", status.undecided_answers},
             {"last_event_sequence", status.last_event_sequence},
+            {"step_lasting", seconds_of(status.step_lasting)},
             {"age", seconds_of(status.age)},
             {"publishers", RawJson{json_text(publishers)}}};
   }

@@ -89,7 +89,10 @@ struct ServerStatus {
   std::uint64_t questions_refused = 0;
   std::uint64_t undecided_answers = 0;    // of the answers
   std::vector<PublisherInfo> publishers;  // that it knows
-  std::chrono::nanoseconds age{0};        // of this status
+  // How long the step under way has lasted: until it ends the server answers about the state before it, and applies
+  // nothing. 0: no step takes longer than statuses are apart
+  std::chrono::nanoseconds step_lasting{0};
+  std::chrono::nanoseconds age{0};  // of this status
 };
 
 /// What processes other than the server wrote on the server's topics, so that they seem to be it: a second server on the

@@ -16,7 +16,7 @@ enum class Health { ok, warn, fail };
 /// The result of one check.
 struct Finding {
   Health health = Health::ok;
-  /// What was checked, as a fixed word for programs: configuration, interface, buffer, places, server, versions, clock,
+  /// What was checked, as a fixed word for programs: configuration, interface, buffer, places, server, busy, versions, clock,
   /// publisher_clocks, round_trip, strangers or losses.
   std::string about;
   std::string text;    // what was found, one sentence for people

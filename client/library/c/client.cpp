@@ -40,6 +40,7 @@ collided_status status_of(const ServerStatus& said) {
   status.moving = said.moving;
   status.contacts = said.contacts;
   status.contacts_truncated = said.contacts_truncated ? 1 : 0;
+  status.step_lasting_ns = said.step_lasting.count();
   return status;
 }
 

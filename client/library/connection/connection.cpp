@@ -55,7 +55,8 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
       requests_(client_,
                 [this](const dds::Sample<wire::Reply>& reply) {
                   const bool is_past = reply->epoch < pulse_.epoch();
-                  return !known_server_.is_known() || (!is_past && is_from_server(reply_reader_, reply.info()));
+                  return !known_server_.is_known() ||
+                         (!is_past && is_from_server(reply_reader_, reply.info(), reply->server));
                 }),
       replicas_(options.replicas && !is_beside ? std::make_unique<Replicas>(*this) : nullptr),
       reply_topic_(*participant_, options.name_space),
@@ -194,7 +195,8 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
       const std::uint64_t server = (**replies.front()).server;
       know_server_by(*replies.front());
       // Of two that answered, the first one counts.
-      for (const auto& reply : replies) static_cast<void>(is_from_server(reply_reader_, reply->info()));
+      for (const auto& reply : replies)
+        static_cast<void>(is_from_server(reply_reader_, reply->info(), (*reply)->server));
       greeted_server_[query_writers_.place_of(right)].store(server, std::memory_order_release);
       return true;
     }
@@ -243,6 +245,14 @@ bool Connection::is_gone() const {
   return pulse_.pid() == 0 ? !is_machine_crowded() : !runs_here(pulse_.pid(), "collided");
 }
 
+bool Connection::is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info, std::uint64_t server) {
+  const KnownServer::Origin origin =
+      known_server_.origin_of(reader.get(), info.publication_handle, pulse_.may_have_heir());
+  // A process may run one server after the other.
+  if (origin == KnownServer::Origin::server && server == pulse_.server()) pulse_.hear_message();
+  return origin != KnownServer::Origin::stranger;
+}
+
 bool Connection::is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info, std::uint64_t server,
                                 std::uint64_t epoch) {
   const bool is_heirs = server != pulse_.server() && epoch > pulse_.epoch() && pulse_.may_have_heir();
@@ -250,14 +260,14 @@ bool Connection::is_from_server(const dds::ReaderBase& reader, const dds_sample_
     pulse_.greeted(server, epoch);
     known_server_.greeted(reader.get(), info.publication_handle);
   }
-  return is_from_server(reader, info);
+  return is_from_server(reader, info, server);
 }
 
 /// A server that speaks while the known one is silent has taken its place.
 bool Connection::is_from_server_or_its_heir(const dds::Sample<wire::Status>& status) {
   const dds_sample_info_t& info = status.info();
   if (pulse_.is_heir(*status)) known_server_.greeted(status_reader_.get(), info.publication_handle);
-  return is_from_server(status_reader_, info);
+  return is_from_server(status_reader_, info, status->server);
 }
 
 std::optional<Error> Connection::ready(Clock::time_point deadline, QueryRight right) {
@@ -284,17 +294,16 @@ Connection::Waited Connection::wait(Requests::Running& request, Clock::time_poin
   while (true) {
     const Clock::time_point look = std::max(pulse_.last_heard() + lost, Clock::now() + kLookPeriod);
     const auto& replies = request.wait(std::min(deadline, look));
-    if (!replies.empty()) {
-      pulse_.hear_reply();
-      return {&replies};
-    }
+    if (!replies.empty()) return {&replies};
     if (pulse_.server() != server) {
       return {.error = Error{ErrorCode::disconnected, what + ": the server was replaced by another one meanwhile",
                              "ask again; the new server is connected already"}};
     }
     if (Clock::now() >= deadline) {
-      return {.error = Error{ErrorCode::timeout, what + ": no answer in time; the server lives",
-                             "a longer timeout, fewer questions or a deadline may help"}};
+      return {.error = Error{
+                  ErrorCode::timeout,
+                  what + ": no answer in time; the server " + (pulse_.is_busy() ? "is busy with a long step" : "lives"),
+                  "a longer timeout, fewer questions or a deadline may help"}};
     }
     if (is_gone()) { return {.error = disconnected()}; }
   }

@@ -52,11 +52,11 @@ class Connection {
   Replicas* replicas() { return replicas_.get(); }
   ServerPulse& pulse() { return pulse_; }
   const ServerPulse& pulse() const { return pulse_; }
-  /// Whether a sample that this reader took was written by the server. Any thread, DDS's too.
-  bool is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info) {
-    return known_server_.admits(reader.get(), info.publication_handle, pulse_.may_have_heir());
-  }
-  /// Likewise, of a sample that says whose it is. Where the known server is silent, one of a greater epoch is its heir's, also
+  /// Whether a sample that this reader took was written by the server, which then lives. Any thread, DDS's too.
+  ///
+  /// server  whose it is, as it says
+  bool is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info, std::uint64_t server);
+  /// Likewise, of a sample that says its epoch. Where the known server is silent, one of a greater epoch is its heir's, also
   /// if the heir's status comes later: a server that stood still, and goes on in between, is heard no more.
   bool is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info, std::uint64_t server,
                       std::uint64_t epoch);

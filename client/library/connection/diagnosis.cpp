@@ -13,6 +13,7 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/machine_findings.hpp"
 #include "idl/clocks.hpp"
+#include "idl/columns.hpp"
 #include "idl/commands.hpp"
 
 namespace collided {
@@ -39,6 +40,7 @@ class Servers {
     std::uint32_t pid = 0;
     std::string version;
     std::uint32_t heard = 0;
+    nanoseconds step_lasting{0};                                      // as of the newest status
     std::int64_t skew_ns = std::numeric_limits<std::int64_t>::max();  // here minus there, of the quickest status
   };
 
@@ -64,6 +66,7 @@ class Servers {
       SeenServer& server = servers_[status->server];
       server.pid = status->pid;
       server.version = status->server_version;
+      server.step_lasting = nanoseconds(wire::busy_ns(*status));
       // The first one may have been sent long before it was received here.
       if (++server.heard > 1)
         server.skew_ns = std::min(server.skew_ns, wire_contract::since_1970_ns() - status.info().source_timestamp);
@@ -92,6 +95,19 @@ Finding no_server_finding(const Error& error) {
   std::string remedy = error.hint;
   for (const std::string& server : client::servers_here()) remedy += "\non this machine: " + server;
   return {Health::fail, "server", error.message, remedy};
+}
+
+/// A step that lasts: questions are answered, but about the state before it.
+std::optional<Finding> busy_finding(const std::map<std::uint64_t, Servers::SeenServer>& servers) {
+  constexpr nanoseconds kLong = milliseconds(500);
+  for (const auto& [number, server] : servers) {
+    if (server.step_lasting < kLong) continue;
+    return Finding{Health::warn, "busy",
+                   "the server is busy: its step has lasted " + words(rounded(server.step_lasting)) +
+                       ". It answers about the state before, and applies no poses meanwhile",
+                   "collide top --steps 20 shows what takes long; fewer or simpler movers, or coarser meshes, help"};
+  }
+  return std::nullopt;
 }
 
 std::optional<Finding> clock_finding(const std::map<std::uint64_t, Servers::SeenServer>& servers) {
@@ -199,6 +215,7 @@ void ask_server(Connection& connection, nanoseconds found_in, std::vector<Findin
   const std::optional<std::uint64_t> dropped_before = client::dropped_datagrams();
   const Servers servers(connection);
   findings.push_back(server_finding(servers.all(), connection.options(), found_in));
+  if (auto finding = busy_finding(servers.all())) findings.push_back(*finding);
   if (auto finding = version_finding(servers.all())) findings.push_back(*finding);
   if (auto finding = clock_finding(servers.all())) findings.push_back(*finding);
   if (servers.all().size() == 1) {

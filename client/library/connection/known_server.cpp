@@ -4,19 +4,19 @@
 
 namespace collided::client {
 
-bool KnownServer::admits(dds_entity_t reader, dds_instance_handle_t writer, bool is_silent) {
+KnownServer::Origin KnownServer::origin_of(dds_entity_t reader, dds_instance_handle_t writer, bool is_silent) {
   const std::uint64_t server = server_.load(std::memory_order_acquire);
-  if (server == 0) return true;
+  if (server == 0) return Origin::unknown;
   const std::uint64_t participant = participant_of(reader, writer);
   if (participant == server) {
     if (is_rival_due_.load(std::memory_order_relaxed)) has_rival_.store(true, std::memory_order_relaxed);
-    return true;
+    return Origin::server;
   }
-  if (is_silent) return true;
+  if (is_silent) return Origin::unknown;
   refused_.fetch_add(1, std::memory_order_relaxed);
   // Of a writer that is gone by now nobody knows whose it was.
   if (participant != 0) is_rival_due_.store(true, std::memory_order_relaxed);
-  return false;
+  return Origin::stranger;
 }
 
 void KnownServer::greeted(dds_entity_t reader, dds_instance_handle_t writer) {

@@ -16,11 +16,12 @@ namespace collided::client {
 /// threads  any
 class KnownServer {
  public:
-  /// Whether the sample comes from the server, or nobody has answered hello yet.
-  ///
+  /// Whose a sample is: the server's; that of a process that may be the server, since none has answered hello yet or the
+  /// known one is silent; or a stranger's, which is not taken.
+  enum class Origin { server, unknown, stranger };
   /// reader, writer  that took it, and its publication handle
   /// is_silent       the known server has not been heard for so long that another may take its place
-  bool admits(dds_entity_t reader, dds_instance_handle_t writer, bool is_silent);
+  Origin origin_of(dds_entity_t reader, dds_instance_handle_t writer, bool is_silent);
   /// Whether anybody has answered hello.
   bool is_known() const { return server_.load(std::memory_order_acquire) != 0; }
   /// The participant of a reply to hello, or of an heir's status: from now on the server.

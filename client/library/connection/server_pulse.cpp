@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <sstream>
 
+#include "idl/columns.hpp"
+
 namespace collided::client {
 namespace {
 
@@ -20,7 +22,9 @@ std::vector<PublisherInfo> decode_publishers(const wire::Status& status) {
   const auto applied = dds::view(status.applied_sequences);
   const auto silent = dds::view(status.silent_ns);
   const auto states = dds::view(status.publisher_states);
-  const std::size_t count = std::min({names.size(), applied.size(), silent.size(), states.size()});
+  std::size_t count = std::min({names.size(), applied.size(), silent.size(), states.size()});
+  // The last one is the world's own.
+  if (wire::busy_ns(status) > 0) count = std::min(count, silent.size() - 1);
   std::vector<PublisherInfo> publishers;
   for (std::size_t i = 0; i < count; ++i) {
     publishers.push_back({.name = std::string(names[i]),
@@ -53,6 +57,7 @@ ServerStatus decode_status(const wire::Status& status) {
   decoded.questions_refused = status.questions_refused;
   decoded.undecided_answers = status.undecided_answers;
   decoded.publishers = decode_publishers(status);
+  decoded.step_lasting = nanoseconds(wire::busy_ns(status));
   return decoded;
 }
 
@@ -73,6 +78,9 @@ void ServerPulse::hear(dds::Sample<wire::Status>& status) {
   server_.store(status->server, std::memory_order_release);
   pid_.store(status->pid, std::memory_order_relaxed);
   last_heard_ns_.store(now_ns(), std::memory_order_relaxed);
+  // A status that is only late on a crowded machine is followed by the next one soon.
+  is_busy_.store(wire::busy_ns(*status) > wire_contract::kStatusLostNs, std::memory_order_relaxed);
+  if (is_busy()) last_busy_ns_.store(now_ns(), std::memory_order_relaxed);
   {
     const std::lock_guard lock(observers_mutex_);
     for (const auto& [number, observer] : observers_) { observer(*status); }
@@ -97,11 +105,15 @@ void ServerPulse::greeted(std::uint64_t server, std::uint64_t epoch) {
   epoch_.store(epoch, std::memory_order_relaxed);
   is_stopping_.store(false, std::memory_order_relaxed);  // whoever did was another one, or it would not have answered
   server_.store(server, std::memory_order_release);
-  hear_reply();
+  hear_message();
 }
 
 Clock::time_point ServerPulse::last_heard() const {
   return Clock::time_point(nanoseconds(last_heard_ns_.load(std::memory_order_relaxed)));
+}
+
+Clock::time_point ServerPulse::last_busy() const {
+  return Clock::time_point(nanoseconds(last_busy_ns_.load(std::memory_order_relaxed)));
 }
 
 bool ServerPulse::may_have_heir() const {

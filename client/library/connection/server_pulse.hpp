@@ -32,8 +32,8 @@ class ServerPulse {
   /// Whether the status is that of a server that has taken the place of the known one, which is silent. A smaller epoch
   /// is an earlier server's, which may have been stopped and goes on: it counts only once nobody else has spoken for long.
   bool is_heir(const wire::Status& status) const;
-  /// A reply shows that the server is alive, too.
-  void hear_reply() { last_heard_ns_.store(now_ns(), std::memory_order_relaxed); }
+  /// Any message of the server shows that it is alive, too.
+  void hear_message() { last_heard_ns_.store(now_ns(), std::memory_order_relaxed); }
   /// This server has answered hello.
   void greeted(std::uint64_t server, std::uint64_t epoch);
 
@@ -48,6 +48,11 @@ class ServerPulse {
   bool is_ready() const { return is_ready_.load(std::memory_order_relaxed); }
   /// Whether nothing has been heard for kStatusLostNs.
   bool silent() const;
+  /// Whether its world has been at one step for longer than kStatusLostNs, by the newest status: it lives, and applies
+  /// nothing meanwhile.
+  bool is_busy() const { return is_busy_.load(std::memory_order_relaxed); }
+  /// When its world was busy last, by its statuses.
+  Clock::time_point last_busy() const;
   /// Whether another server may have taken the known one's place.
   bool may_have_heir() const;
   /// How often no status came for so long (wire_contract::kForgottenNs) that DDS may have forgotten the server's
@@ -75,6 +80,8 @@ class ServerPulse {
   static std::int64_t now_ns() { return Clock::now().time_since_epoch().count(); }
 
   std::atomic<std::int64_t> last_heard_ns_{0};
+  std::atomic<std::int64_t> last_busy_ns_{0};
+  std::atomic<bool> is_busy_{false};
   std::atomic<std::uint64_t> server_{0};
   std::atomic<std::uint64_t> epoch_{0};
   std::atomic<bool> is_stopping_{false};

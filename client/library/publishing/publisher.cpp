@@ -305,6 +305,18 @@ Result<PublisherReport> Publisher::State::report(nanoseconds timeout) {
   return report;
 }
 
+std::string Publisher::State::busy_hint() const {
+  const auto status = connection_->pulse().status();
+  if (!status || status->step_lasting.count() == 0) { return {}; }
+  return "it is busy: a step has lasted " + client::words(floor<std::chrono::milliseconds>(status->step_lasting));
+}
+
+/// How long a question may wait for the world's thread. A deadline that has just passed does not cut off the round trip,
+/// and the publisher must say that it lives long before its lease is over.
+nanoseconds Publisher::State::patience(Clock::time_point deadline) const {
+  return std::min(std::max<nanoseconds>(deadline - Clock::now(), kLeastCommandTimeout), lease_ / 2);
+}
+
 /// Applied is also a definition that the server has refused or keeps waiting, so it is asked about those that are new.
 Result<void> Publisher::State::ask_for_left_out(Clock::time_point deadline) {
   std::uint64_t through = 0;
@@ -313,8 +325,7 @@ Result<void> Publisher::State::ask_for_left_out(Clock::time_point deadline) {
     if (found_in_world_through_ == definitions_through_) { return {}; }
     through = definitions_through_;
   }
-  // The wait is over; this takes one round trip, which a deadline that has just passed must not cut off.
-  const Result<PublisherReport> found = report(std::max<nanoseconds>(deadline - Clock::now(), kLeastCommandTimeout));
+  const Result<PublisherReport> found = report(patience(deadline));
   if (!found) { return found.error(); }
   if (!found->left_out.empty()) {
     const std::uint64_t others = found->left_out_count - 1;
@@ -330,7 +341,7 @@ Result<void> Publisher::State::ask_for_left_out(Clock::time_point deadline) {
 
 /// The server lists a publisher with the first status after its first sample. One that is not listed may be refused.
 std::optional<Error> Publisher::State::why_not_known(Clock::time_point deadline) {
-  const Result<PublisherReport> found = report(std::max<nanoseconds>(deadline - Clock::now(), kLeastCommandTimeout));
+  const Result<PublisherReport> found = report(patience(deadline));
   if (!found || found->refused.empty()) { return std::nullopt; }
   return Error{ErrorCode::refused, "the server takes nothing of this publisher: " + found->refused,
                "none of its objects are in the world; they enter once there is room"};
@@ -338,6 +349,7 @@ std::optional<Error> Publisher::State::why_not_known(Clock::time_point deadline)
 
 Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
   const Clock::time_point deadline = Clock::now() + timeout;
+  const Clock::time_point asks_until = deadline + kLeastCommandTimeout;
   Clock::time_point next_question = Clock::now() + kListedSoon;
   while (true) {
     std::uint64_t wanted = 0;
@@ -350,17 +362,20 @@ Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
     }
     const auto view = connection_->pulse().publisher(publisher_);
     const std::uint64_t applied = view ? view->applied_sequence : 0;
-    if (applied >= wanted) {
+    // Questions would only queue up behind the step.
+    const bool may_ask = !connection_->pulse().is_busy() || Clock::now() >= deadline;
+    if (applied >= wanted && may_ask) {
       Result<void> told = ask_for_left_out(deadline);
-      if (told || told.error().code == ErrorCode::refused || Clock::now() >= deadline) { return told; }
-      // The server has been silent for a moment, or is another one: it can be asked again.
+      if (told || told.error().code == ErrorCode::refused) { return told; }
+      if (Clock::now() >= (told.error().code == ErrorCode::timeout ? asks_until : deadline)) { return told; }
+      // The server has been silent or busy for a moment, or is another one: it can be asked again.
     } else if (Clock::now() >= deadline) {
       if (connection_->pulse().silent()) { return connection_->disconnected(); }
       return Error{ErrorCode::timeout,
                    "publish: the server has applied " + std::to_string(applied) + " of " + std::to_string(wanted) +
                        " messages in " + client::words(timeout),
-                   ""};
-    } else if (!view && Clock::now() >= next_question) {
+                   busy_hint()};
+    } else if (!view && may_ask && Clock::now() >= next_question) {
       if (auto error = why_not_known(deadline)) { return *error; }
       next_question = Clock::now() + kListedSoon;
     }

@@ -39,6 +39,8 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   State(std::shared_ptr<client::Connection> connection, const std::string& name, const PublishOptions& options);
   std::optional<Error> object_fault(const ObjectOptions& options) const;
   Result<Object> define(const ObjectOptions& options, std::vector<std::uint8_t> shape, bool enters);
+  std::string busy_hint() const;
+  std::chrono::nanoseconds patience(client::Clock::time_point deadline) const;
   Result<void> ask_for_left_out(client::Clock::time_point deadline);
   std::optional<Error> why_not_known(client::Clock::time_point deadline);
   Error unknown(Object object) const;

@@ -96,11 +96,13 @@ bool Publisher::State::is_forgotten() const {
 }
 
 // True where the server lacks a message: a batch may have been written before a new server's reader was there, and its
-// poses would be missing until the objects move again.
+// poses would be missing until the objects move again. A world that is busy with a step applies nothing, and then has what
+// came meanwhile to apply.
 bool Publisher::State::is_behind() const {
-  const auto view = connection_->pulse().publisher(publisher_);
-  return view && !view->lost && view->applied_sequence < sequence_ && !connection_->pulse().silent() &&
-         Clock::now() - last_sample_ > kBehind;
+  const client::ServerPulse& pulse = connection_->pulse();
+  const auto view = pulse.publisher(publisher_);
+  return view && !view->lost && view->applied_sequence < sequence_ && !pulse.silent() &&
+         Clock::now() - std::max(last_sample_, pulse.last_busy()) > kBehind;
 }
 
 // Whether another batch may be written. The server's status is consulted before DDS: acknowledgements come up to 20 ms

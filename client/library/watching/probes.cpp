@@ -143,7 +143,8 @@ void ProbeWatch::State::take() {
   const std::lock_guard one(taking_mutex_);
   while (reader_->take(incoming_)) {
     decoded_.clear();
-    if (!incoming_.info().valid_data || !connection_->is_from_server(*reader_, incoming_.info())) continue;
+    const dds_sample_info_t& info = incoming_.info();
+    if (!info.valid_data || !connection_->is_from_server(*reader_, info, incoming_->server)) continue;
     if (incoming_->epoch < connection_->pulse().epoch())
       continue;  // an earlier server's, which was stopped and goes on
     if (!client::decode(*incoming_, connection_->names(), decoded_)) { continue; }

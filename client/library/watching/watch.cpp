@@ -112,7 +112,8 @@ void Watch::State::take_bookmarks() {
   const std::lock_guard lock(bookmark_mutex_);
   while (bookmark_reader_->take(bookmark_)) {
     const dds_sample_info_t& info = bookmark_.info();
-    if (info.valid_data && connection_->is_from_server(*bookmark_reader_, info)) queue(client::decode(*bookmark_));
+    const bool is_taken = info.valid_data && connection_->is_from_server(*bookmark_reader_, info, bookmark_->server);
+    if (is_taken) queue(client::decode(*bookmark_));
   }
 }
 

@@ -39,6 +39,7 @@ class Status:
     questions_answered: int
     questions_refused: int
     undecided_answers: int
+    step_lasting_ns: int  #: of the step under way; 0: no step takes longer than statuses are apart
 
 
 class Client(Asking, Standing, Explaining):
@@ -86,6 +87,7 @@ class Client(Asking, Standing, Explaining):
             told.questions_answered,
             told.questions_refused,
             told.undecided_answers,
+            told.step_lasting_ns,
         )
 
     def add(

@@ -60,6 +60,7 @@ class CStatus(Structure):
         ("moving", c_uint32),
         ("contacts", c_uint32),
         ("contacts_truncated", c_int32),
+        ("step_lasting_ns", c_int64),
     ]
 
 

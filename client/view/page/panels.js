@@ -54,7 +54,9 @@ class Panels {
     const scenes = `${status.scenes.join("\n")}\n${status.objects} ${status.moving}`;
     if (scenes !== this.scenesText) byId("scenes").replaceChildren(...(status.scenes.length ? status.scenes.flatMap((scene, i) => [i ? ", " : "", nameElement(scene)]) : ["no scene"]), ` · ${countText(status.objects)} objects, ${countText(status.moving)} moving`);
     this.scenesText = scenes;
-    this.showState(`${status.state} · collided ${status.version_text}, pid ${status.pid}`, status.state !== "ready");
+    const isBusy = status.step_lasting > 0.5;
+    const busy = isBusy ? `, step has lasted ${durationText(status.step_lasting)}` : "";
+    this.showState(`${status.state}${busy} · collided ${status.version_text}, pid ${status.pid}`, isBusy || status.state !== "ready");
     for (const { name, messages } of status.publishers) {
       const known = this.rates.get(name);
       if (known && now - known.at < 900) continue;

@@ -53,21 +53,14 @@ json questions(const QuestionCounts& counts) {
 
 }  // namespace
 
-/// How far the clocks of the publishers that live are behind the server's.
-json clocks_of(const Publishers& publishers, std::int64_t now_ns) {
-  json clocks = json::array();
-  publishers.for_each(now_ns, [&](const PublisherView& view) {
-    if (view.state != wire_contract::PublisherState::alive || !view.behind_ns) return;
-    clocks.push_back({{"publisher", view.name}, {"behind_ns", *view.behind_ns}});
-  });
-  return clocks;
-}
-
 /// The counts since the start, as idl/commands.hpp lists them under `figures`.
 json Commands::figures(const Arguments& arguments) const {
   arguments.allow_only({});
   const StepSums& sums = with_.loop.sums();
   const SnapshotRing::Lease state = with_.loop.world().newest();
+  json clocks = json::array();
+  for (const WorldLoop::PublisherClock& clock : with_.loop.publisher_clocks())
+    clocks.push_back({{"publisher", clock.name}, {"behind_ns", clock.behind_ns}});
   json not_built = json::array();
   for (const PlanRow& row : plan_of(*state, with_.loop.contacts_wanted())) {
     if (!row.built) not_built.push_back(row.structure);
@@ -106,7 +99,7 @@ json Commands::figures(const Arguments& arguments) const {
            {{"late", sums.stamps_late.get()},
             {"jumped", sums.stamps_jumped.get()},
             {"missing", sums.stamps_missing.get()}}},
-          {"clocks", clocks_of(with_.loop.publishers(), with_.clock.now_ns())},
+          {"clocks", clocks},
           {"questions", questions(with_.counts)},
           {"refused", with_.counts.refused.load()},
           {"undecided", with_.counts.undecided.load()},

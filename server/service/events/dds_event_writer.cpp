@@ -63,7 +63,13 @@ DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identi
   static_cast<void>(dds::set_text(status_->server_version, identity.version));
 }
 
+void DdsEventWriter::fall_silent() {
+  const std::lock_guard lock(status_mutex_);
+  is_silent_ = true;
+}
+
 void DdsEventWriter::set_epoch(std::uint64_t epoch) {
+  const std::lock_guard lock(status_mutex_);
   frame_->epoch = shard_->epoch = probes_->epoch = epoch;
   status_->epoch = step_->epoch = fence_status_->epoch = epoch;
 }
@@ -195,6 +201,9 @@ void DdsEventWriter::write_probes(const ProbeColumns& probes, const Stamp& stamp
 
 void DdsEventWriter::write_status(const StatusColumns& status) {
   note_lapse();
+  const std::lock_guard lock(status_mutex_);
+  said_ = status;
+  said_ns_ = repeated_ns_ = steady_ns();
   status_->version = status.stamp.version;
   status_->world_time_ns = status.stamp.world_time_ns;
   status_->last_event_sequence = status.last_event_sequence;
@@ -211,9 +220,28 @@ void DdsEventWriter::write_status(const StatusColumns& status) {
   status_->questions_answered = status.questions_answered;
   status_->questions_refused = status.questions_refused;
   status_->undecided_answers = status.undecided_answers;
-  borrow_publishers(*status_, status);
+  borrow_publishers(*status_, said_);
   note(recording::Recorded::status, *status_);
   write(status_writer_, *status_);
+}
+
+void DdsEventWriter::repeat_status(std::int64_t now_ns, wire_contract::ServerState state) {
+  constexpr std::int64_t kLateNs = wire_contract::kStatusPeriodNs * 3 / 2;
+  const std::lock_guard lock(status_mutex_);
+  if (said_ns_ == 0 || is_quiet() || term_.is_over()) return;
+  if (now_ns - said_ns_ < kLateNs || now_ns - repeated_ns_ < wire_contract::kStatusPeriodNs) return;
+  repeated_ns_ = now_ns;
+  if (said_.state != wire_contract::ServerState::stopping) status_->state = static_cast<std::uint8_t>(state);
+  said_.publishers.push_back(wire_contract::kBusyWorld);
+  said_.applied_sequences.push_back(0);
+  said_.silent_ns.push_back(now_ns - said_ns_);
+  said_.publisher_states.push_back(static_cast<std::uint8_t>(wire_contract::PublisherState::alive));
+  said_.publisher_names.push_back(0);
+  borrow_publishers(*status_, said_);
+  write(status_writer_, *status_);
+  for (auto* column : {&said_.publishers, &said_.applied_sequences}) column->pop_back();
+  said_.silent_ns.pop_back();
+  for (auto* column : {&said_.publisher_states, &said_.publisher_names}) column->pop_back();
 }
 
 void DdsEventWriter::write_fence_status(const StatusColumns& status) {

@@ -2,6 +2,7 @@
 
 #include <atomic>
 #include <cstdint>
+#include <mutex>
 #include <string>
 
 #include "idl/dds.hpp"
@@ -23,7 +24,7 @@ struct Identity {
 /// Writes events, contacts, probes and status to DDS. A write that fails or finds a reader full is not reported: the
 /// world must not stop for it, and subscribers see the gap in the sequence.
 ///
-/// threads  the world's
+/// threads  the world's, but for repeat_status()
 class DdsEventWriter : public EventWriter {
  public:
   /// flight  records all that is written but persisted contacts; null: none
@@ -31,13 +32,13 @@ class DdsEventWriter : public EventWriter {
   DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight,
                  const ServingTerm& term);
 
-  void fall_silent() override { is_silent_ = true; }
+  void fall_silent() override;
   std::uint64_t speak(const SpokenBefore& before) override;
   /// In all that is written from now on.
   void set_epoch(std::uint64_t epoch);
   /// Since when it writes nothing because the term was over, steady clock; 0: it writes, or fell silent for another
   /// reason.
-  std::int64_t lapsed_ns() const { return is_silent_ ? 0 : lapsed_ns_; }
+  std::int64_t lapsed_ns() const { return is_silent_.load() ? 0 : lapsed_ns_.load(); }
   bool contacts_wanted() const override { return event_readers_.load() > 0 || contact_readers_.load() > 0; }
   bool persisted_wanted() const override { return persisted_readers_.load() > 0; }
   bool probes_wanted() const override { return probe_readers_.load() > 0; }
@@ -46,6 +47,11 @@ class DdsEventWriter : public EventWriter {
   void write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) override;
   void write_probes(const ProbeColumns& probes, const Stamp& stamp) override;
   void write_status(const StatusColumns& status) override;
+  /// Writes the newest status again, with how long the world has been busy, if the world's thread has written none for
+  /// half a period longer than usual. Any thread.
+  ///
+  /// state  of now; a server that said it was stopping remains so
+  void repeat_status(std::int64_t now_ns, wire_contract::ServerState state);
   void write_fence_events(const EventColumns& events, const Stamp& stamp) override;
   void write_fence_state(const ContactColumns& inside, const Stamp& stamp, std::uint64_t as_of_sequence) override;
   bool fence_status_wanted() const override { return is_flight_of_fences_ || fence_status_readers_.load() > 0; }
@@ -58,7 +64,7 @@ class DdsEventWriter : public EventWriter {
 
  private:
   void note_lapse();
-  bool is_quiet() const { return is_silent_ || lapsed_ns_ != 0; }
+  bool is_quiet() const { return is_silent_.load() || lapsed_ns_.load() != 0; }
   void write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events, const Stamp& stamp);
   void fill_shard(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence);
   template <class T>
@@ -70,9 +76,9 @@ class DdsEventWriter : public EventWriter {
 
   FlightRecorder* const flight_;
   const ServingTerm& term_;
-  bool is_silent_ = false;
-  std::int64_t lapsed_ns_ = 0;  // see lapsed_ns()
-  UntoldEvents untold_;         // while it is silent
+  std::atomic<bool> is_silent_{false};
+  std::atomic<std::int64_t> lapsed_ns_{0};  // see lapsed_ns()
+  UntoldEvents untold_;                     // while it is silent
   bool is_flight_of_fences_ =
       false;  // the flight recorder has been told of fences, and needs their status from then on
   dds::Topic<wire::EventFrame> event_topic_, persisted_topic_, fence_event_topic_;
@@ -89,7 +95,14 @@ class DdsEventWriter : public EventWriter {
   dds::Sample<wire::ContactShard> shard_;
   dds::Sample<wire::ProbeFrame> probes_;
   std::vector<double> event_memory_, contact_memory_, probe_memory_;  // columns while they are written
-  dds::Sample<wire::Status> status_, step_, fence_status_;
+  dds::Sample<wire::Status> step_, fence_status_;
+
+  // Statuses are written one after the other, and none once fall_silent() has returned.
+  std::mutex status_mutex_;  // for the next four
+  dds::Sample<wire::Status> status_;
+  StatusColumns said_;            // its columns of publishers
+  std::int64_t said_ns_ = 0;      // when the world's thread wrote it, steady clock; 0: not yet
+  std::int64_t repeated_ns_ = 0;  // when it was written last
 };
 
 }  // namespace collided::engine::service

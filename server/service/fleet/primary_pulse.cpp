@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "idl/columns.hpp"
 #include "server/service/runtime/clock.hpp"
 #include "server/service/runtime/named_thread.hpp"
 
@@ -55,8 +56,10 @@ void PrimaryPulse::take() {
   if (std::exchange(listened_to_, primary) != primary && blamed_ns_ != 0) blamed_ns_ = steady_ns();
   while (reader_.take(status_)) {
     if (!status_.info().valid_data || status_->server != primary) continue;
+    const std::int64_t busy_ns = wire::busy_ns(*status_);
+    if (busy_ns > wire_contract::kWorldHangsNs) continue;
     blamed_ns_ = steady_ns();
-    heard_ns_.store(blamed_ns_);
+    if (busy_ns == 0) heard_ns_.store(blamed_ns_);
   }
 }
 

@@ -10,8 +10,8 @@
 
 namespace collided::engine::service {
 
-/// Listens to the primary's status, which the thread that steps its world writes: a primary whose process lives, but whose
-/// world stands still, is silent too.
+/// Listens to the primary's status. A primary whose process lives, but whose world has been at one step for longer than
+/// kWorldHangsNs, is silent too.
 ///
 /// threads  one of its own, on which it calls what it was given
 class PrimaryPulse {
@@ -32,7 +32,7 @@ class PrimaryPulse {
 
   /// Whether it counts as silent. Any thread.
   bool is_silent() const { return is_silent_.load(); }
-  /// When it was heard last, steady clock; 0: never. Any thread.
+  /// When its world was heard last, steady clock; 0: never. While that is busy no event is written. Any thread.
   std::int64_t heard_ns() const { return heard_ns_.load(); }
 
  private:
@@ -49,7 +49,7 @@ class PrimaryPulse {
   std::int64_t blamed_ns_ = 0;        // since when its silence counts, steady clock; 0: it does not yet
   std::int64_t looked_ns_ = 0;
   std::atomic<bool> is_silent_{false};
-  std::atomic<std::int64_t> heard_ns_{0};  // the newest status, steady clock; 0: none has come yet
+  std::atomic<std::int64_t> heard_ns_{0};  // see heard_ns()
   std::atomic<bool> is_over_{false};
   std::thread thread_;
 };

@@ -126,6 +126,7 @@ class FakeServer {
   std::size_t most_in_flight() const { return most_in_flight_; }
   std::atomic<int> delay_us{0};  // of every answer, on a thread of its own
   std::atomic<bool> hold_publisher_lost{false};
+  std::atomic<std::int64_t> busy_ns{0};      // says that its world has been at one step for so long
   std::atomic<bool> missed_the_last{false};  // says that the newest sample of each publisher has not come
 
   void send_status() {
@@ -208,6 +209,13 @@ class FakeServer {
       names.push_back("publisher");
     }
     states_.assign(applied_.size(), hold_publisher_lost ? 2 : 0);
+    if (busy_ns > 0) {
+      publishers_.push_back(wire_contract::kBusyWorld);
+      sequences_.push_back(0);
+      silent_.push_back(busy_ns);
+      states_.push_back(0);
+      names.emplace_back();
+    }
     names_ = wire_contract::pack_names(names);
     dds::borrow(status->publishers, publishers_);
     dds::borrow(status->applied_sequences, sequences_);

@@ -314,6 +314,38 @@ TEST_F(ClientPublish, WhatTheServerHasMissedIsSaidAgainAlsoToWhoFlushesOn) {
   }));
 }
 
+// It applies nothing while its world is at a step, and has yet to apply what came meanwhile when that ends.
+TEST_F(ClientPublish, NothingIsSaidAgainToABusyServer) {
+  const Publisher::Object object = add("first");
+  ASSERT_TRUE(publisher_->wait_applied(2s));
+  server_.busy_ns = 700'000'000;
+  server_.missed_the_last = true;
+  ASSERT_TRUE(publisher_->move(object, {.position = {1, 0, 0}}));
+  ASSERT_TRUE(publisher_->flush());
+  const auto begun = std::chrono::steady_clock::now();
+  const Result<void> waited = publisher_->wait_applied(900ms);
+  ASSERT_FALSE(waited);
+  EXPECT_EQ(waited.error().code, ErrorCode::timeout) << "a busy server is not a silent one: " << waited.error().message;
+  EXPECT_EQ(waited.error().hint, "it is busy: a step has lasted 700 ms");
+  EXPECT_GE(std::chrono::steady_clock::now() - begun, 900ms);
+  EXPECT_EQ(server_.received().definition_count, 1U);
+  server_.missed_the_last = false;
+  server_.busy_ns = 0;
+  EXPECT_TRUE(publisher_->wait_applied(2s));
+  EXPECT_EQ(server_.received().definition_count, 1U);
+}
+
+// The answer to what it left out comes only after the step, and a lease passes sooner.
+TEST_F(ClientPublish, AWaitAtABusyServerOutlastsTheLease) {
+  add("first");
+  server_.busy_ns = 1'000'000'000;
+  const Result<void> waited = publisher_->wait_applied(1'200ms);
+  EXPECT_TRUE(waited) << waited.error().message;
+  const Result<FlushReport> flushed = publisher_->flush();
+  ASSERT_TRUE(flushed);
+  EXPECT_EQ(flushed->lost, "") << "it said all the time that it lives";
+}
+
 TEST_F(ClientPublish, LeavingRemovesItsObjects) {
   add("first");
   add("second");

@@ -67,14 +67,14 @@ TEST(ServerPulse, TheServerThatAnsweredHelloIsTheOneThatCounts) {
       });
 }
 
-TEST(ServerPulse, AReplyIsASignOfLifeToo) {
+TEST(ServerPulse, AnyMessageIsASignOfLifeToo) {
   in_good_time(
       [](ServerPulse& pulse) {
         auto status = status_of(1, 10);
         pulse.hear(status);
         const Clock::time_point heard = pulse.last_heard();
         EXPECT_TRUE(test::eventually([&] { return Clock::now() > heard + 1ms; }));
-        pulse.hear_reply();
+        pulse.hear_message();
         EXPECT_GT(pulse.last_heard(), heard);
       },
       [](ServerPulse& pulse) { EXPECT_FALSE(pulse.silent()); });
@@ -191,6 +191,32 @@ TEST(ServerPulse, EveryFieldOfAStatusIsItsOwn) {
     EXPECT_EQ(view->lost, i == 2);
   }
   for (const std::uint64_t unknown : {0, 19, 23}) EXPECT_FALSE(pulse.publisher(unknown)) << unknown;
+}
+
+// The last row of the publishers is the world's, where that is at a step: no publisher, and how long it has lasted.
+TEST(ServerPulse, ABusyWorldIsNoPublisher) {
+  ServerPulse pulse;
+  const std::vector<std::uint64_t> publishers{20, wire_contract::kBusyWorld}, applied{30, 0};
+  const std::vector<std::int64_t> silent{40, 5'000'000'000};
+  const std::vector<std::uint8_t> states{0, 0};
+  const std::vector<std::uint8_t> names = wire_contract::pack_names(std::vector<std::string>{"a", ""});
+  auto busy = status_of(1, 7);
+  dds::borrow(busy->publishers, publishers);
+  dds::borrow(busy->applied_sequences, applied);
+  dds::borrow(busy->silent_ns, silent);
+  dds::borrow(busy->publisher_states, states);
+  dds::borrow(busy->publisher_names, names);
+  pulse.hear(busy);
+  EXPECT_TRUE(pulse.is_busy());
+  EXPECT_EQ(pulse.status()->step_lasting, 5s);
+  ASSERT_EQ(pulse.status()->publishers.size(), 1U);
+  EXPECT_EQ(pulse.status()->publishers[0].name, "a");
+  const Clock::time_point last = pulse.last_busy();
+  auto free = status_of(1, 8);
+  pulse.hear(free);
+  EXPECT_FALSE(pulse.is_busy());
+  EXPECT_EQ(pulse.status()->step_lasting, 0s);
+  EXPECT_EQ(pulse.last_busy(), last);
 }
 
 TEST(ServerPulse, EachStateHasItsName) {
