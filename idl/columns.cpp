@@ -1,6 +1,7 @@
 #include "idl/columns.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace collided::wire {
 namespace {
@@ -68,6 +69,40 @@ std::int64_t busy_ns(const Status& status) {
   const bool is_busy =
       !publishers.empty() && publishers.size() == silent.size() && publishers.back() == wire_contract::kBusyWorld;
   return is_busy ? std::max<std::int64_t>(1, silent.back()) : 0;
+}
+
+namespace {
+
+template <class Sequence>
+void copy_part(const Sequence& from, std::uint32_t first, std::uint32_t count, Sequence& to) {
+  if (to._maximum < count) {
+    if (to._release) dds_free(to._buffer);
+    to._buffer = static_cast<decltype(to._buffer)>(dds_alloc(count * sizeof(*to._buffer)));
+    to._maximum = count;
+    to._release = true;
+  }
+  to._length = count;
+  if (count > 0) std::memcpy(to._buffer, from._buffer + first, count * sizeof(*to._buffer));
+}
+
+}  // namespace
+
+void split_questions(Query& from, std::uint32_t first, Query& to) {
+  const std::uint32_t count = question_count(from).value_or(0);
+  std::array<dds_sequence_double, std::size(kQuestionSequences)> memory;
+  std::ranges::transform(kQuestionSequences, memory.begin(), [&](auto sequence) { return to.*sequence; });
+  auto blob = to.blob;
+  to = from;
+  copy_part(from.blob, 0, from.blob._length, blob);
+  to.blob = blob;
+  for (std::size_t i = 0; i < memory.size(); ++i) {
+    dds_sequence_double& column = from.*kQuestionSequences[i];
+    const std::uint32_t kept = column._length / count * first;
+    copy_part(column, kept, column._length - kept, memory[i]);
+    to.*kQuestionSequences[i] = memory[i];
+    column._length = kept;
+  }
+  to.first_question += first;
 }
 
 void clear_questions(Query& query) {

@@ -139,6 +139,12 @@ void lend_columns(std::span<const double> rows, Columns<Message> columns, std::v
   }
 }
 
+/// Makes of `to` a message with the questions of `from` from number `first` on, and leaves `from` those before. `to` must not
+/// borrow its sequences; their memory is used again.
+///
+/// first  below question_count(from); not of a what-if
+void split_questions(Query& from, std::uint32_t first, Query& to);
+
 /// Empties the columns of every kind of question.
 void clear_questions(Query& query);
 

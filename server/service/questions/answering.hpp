@@ -129,6 +129,8 @@ class Answering {
   static constexpr std::size_t kMostCostlyThreads =
       8;  // each keeps a state of the world, of which there are 16, for long
   static constexpr double kNsPerCostAtFirst = 500;
+  static constexpr double kLeastPartNs = 200'000;  // work that is worth waking a thread and writing a reply of its own
+  static constexpr std::uint32_t kPartQuestions = 64;  // rays are looked up so many at a time
   static constexpr std::int64_t kStopPatienceNs = 1'000'000'000;
 
   struct TextReply {
@@ -157,6 +159,9 @@ class Answering {
   void refuse_for_now(AskPointer ask);
   void note_cost(double cost, std::int64_t took_ns);
   void enqueue(AskPointer ask);
+  void share(Ask& ask);
+  std::uint32_t parts_of(const Ask& ask, std::uint32_t left);
+  void push_part(Ask& ask, std::uint32_t first);
   bool put_back(AskPointer& ask);
   bool put_among_costly(AskPointer& ask, std::int64_t took_ns, bool was_there);
   /// Whether the server has been stopping for so long that what is left is refused.

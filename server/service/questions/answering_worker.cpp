@@ -50,9 +50,9 @@ void Answering::Worker::run_costly() {
 }
 
 void Answering::Worker::work(AskPointer ask) {
-  // Who is gone since a chunk was begun is not met anew.
+  // A client that disconnected while its request was in progress is not registered again.
   const std::uint64_t id = ask->query->client;
-  const std::shared_ptr<Client> client = ask->answered > 0 || ask->is_costly
+  const std::shared_ptr<Client> client = ask->answered > 0 || ask->is_costly || ask->is_part
                                              ? owner_.clients_.find(id)
                                              : owner_.clients_.meet(id, ask->owner, ask->from.participant);
   if (!client) {
@@ -66,8 +66,9 @@ void Answering::Worker::work(AskPointer ask) {
     return owner_.pool_.put(std::move(ask));
   }
   if (owner_.is_over()) ask->refusal = "the server is stopping";
-  const double chunk = std::max(1U, wire::question_count(*ask->query).value_or(1));
   while (true) {
+    owner_.share(*ask);
+    const double chunk = std::max(1U, wire::question_count(*ask->query).value_or(1));
     const std::size_t before = ask->answered;
     const std::int64_t started_ns = steady_ns();
     const bool is_done = answer(*client, *ask);
@@ -331,13 +332,14 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
     reply_->first_question = query.first_question + static_cast<std::uint32_t>(ask.answered + filler.first());
     reply_->compute_ns = steady_ns() - ask.taken_ns;
     // Counted before the reply leaves, so that a client which has it and then asks for the counts finds it in them.
-    if (filler.is_done()) count_answered(query.kind, filler.undecided());
+    if (filler.is_done()) count_answered(ask, filler.undecided());
     send(client);
   }
 }
 
-void Answering::Worker::count_answered(std::uint8_t kind, std::uint64_t undecided) {
-  if (!is_paused_) owner_.with_.counts.durations[kind].add(reply_->compute_ns);
+void Answering::Worker::count_answered(const Ask& ask, std::uint64_t undecided) {
+  const std::uint8_t kind = ask.query->kind;
+  if (!is_paused_ && !ask.is_part) owner_.with_.counts.durations[kind].add(reply_->compute_ns);
   owner_.with_.counts.answered += answers_.answers.size();
   owner_.with_.counts.undecided += undecided;
   count_levels(static_cast<QuestionKind>(kind));

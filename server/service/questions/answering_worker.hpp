@@ -48,7 +48,7 @@ class Answering::Worker {
   bool find_past(Client& client, Ask& ask, const Snapshot& newest);
   void doubt(const Questions& questions);
   void count_levels(QuestionKind kind);
-  void count_answered(std::uint8_t kind, std::uint64_t undecided);
+  void count_answered(const Ask& ask, std::uint64_t undecided);
   void write_answers(Client& client, const Ask& ask, const Snapshot& snapshot);
   void write_text(Client& client, std::uint64_t request, wire_contract::ReplyStatus status, std::string_view text,
                   bool is_recorded = true);

@@ -68,7 +68,7 @@ void Ask::reset() {
   passed_barrier = false;
   refusal.clear();
   retry_after_ns = 0;
-  is_costly = false;
+  is_costly = is_part = false;
   answered = 0;
 }
 

@@ -24,6 +24,7 @@ struct Ask {
   std::int64_t retry_after_ns = 0;  // of a refusal: asking again after this long helps; 0: it does not
   SnapshotLeases::Hold hold;        // of the state that all chunks of its request are answered on; none: the newest
   bool is_costly = false;           // one of its questions takes longer than workers have for one
+  bool is_part = false;             // of a chunk whose other questions another ask has
   std::size_t answered = 0;         // of its questions, whose answers have left: others had their turn in between
   std::shared_ptr<const Snapshot> past;  // of its instant, once looked up; null: it asks about the newest state
 

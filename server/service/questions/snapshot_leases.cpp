@@ -113,6 +113,19 @@ bool SnapshotLeases::keep(Ask& ask, const SnapshotRing::Lease& state, std::int64
   return true;
 }
 
+SnapshotLeases::Hold SnapshotLeases::share(const Hold& hold) {
+  Hold shared;
+  const std::lock_guard lock(mutex_);
+  const auto entry = find(hold.key_);
+  // It is there for as long as any chunk of its request is at hand.
+  ++entry->at_hand;
+  ++entry->chunks_left;
+  shared.book_ = this;
+  shared.key_ = hold.key_;
+  shared.state_ = hold.state_;
+  return shared;
+}
+
 /// A chunk is answered or given up.
 void SnapshotLeases::done(const std::pair<std::uint64_t, std::uint64_t>& key) {
   const std::int64_t now_ns = steady_ns();

@@ -77,6 +77,8 @@ class SnapshotLeases {
   ///
   /// least_version  the oldest state that will do; greater than any version: only the newest
   Taken take(std::unique_ptr<Ask>& ask, std::uint64_t least_version, std::int64_t now_ns);
+  /// A hold of the same state for a part of the chunk that has this one, which is answered apart.
+  Hold share(const Hold& hold);
   /// Keeps the state for an ask without a hold, a request of one chunk that others interrupt.
   ///
   /// returns  whether it is kept: not where too many are

@@ -91,6 +91,8 @@ class FairQueue {
   /// Whether less than the limit of the server's own work waits.
   bool has_room_for_own() const { return own_count_.load(std::memory_order_relaxed) < limit_; }
   std::size_t waiting() const { return waiting_.load(std::memory_order_relaxed); }
+  /// Threads that wait in pop().
+  std::size_t idle() const { return idle_.load(std::memory_order_relaxed); }
   std::size_t waiting_bytes() const { return waiting_bytes_.load(std::memory_order_relaxed); }
   double waiting_cost() {
     const std::lock_guard lock(mutex_);
@@ -102,7 +104,9 @@ class FairQueue {
   /// Waits for an item; nothing once the queue is closed and empty.
   std::optional<Item> pop() {
     std::unique_lock lock(mutex_);
+    idle_.fetch_add(1, std::memory_order_relaxed);
     arrived_.wait(lock, [&] { return closed_ || !own_.empty() || waiting() > 0; });
+    idle_.fetch_sub(1, std::memory_order_relaxed);
     if (!own_.empty()) {
       --own_count_;
       return own_.pop_front();
@@ -206,6 +210,7 @@ class FairQueue {
   double now_ = 0;                       // virtual time: start of the entry handed out last
   std::atomic<std::size_t> waiting_{0};  // of all flows; read without the lock where it need not be exact
   std::atomic<std::size_t> own_count_{0};
+  std::atomic<std::size_t> idle_{0};
   std::atomic<std::uint64_t> refused_{0};
   std::atomic<std::size_t> waiting_bytes_{0};
   double waiting_cost_ = 0;

@@ -1,0 +1,103 @@
+// The questions of one message are spread over the threads that have nothing to do.
+#include <algorithm>
+#include <map>
+#include <random>
+
+#include "tests/oracle/seed.hpp"
+#include "tests/service/eventually.hpp"
+#include "tests/service/server_process.hpp"
+#include "tests/service/server_wire_asker.hpp"
+
+namespace collided::engine {
+namespace {
+
+using namespace std::chrono_literals;
+using testing_support::WireAsker;
+using wire_contract::RequestKind;
+
+class ServerWireSharing : public testing_support::ServerProcess {
+ protected:
+  static constexpr std::size_t kQuestions = 1'000;
+
+  /// The replies to one message of questions, by their first question.
+  using Replies = std::map<std::uint32_t, WireAsker::Heard>;
+  static Replies ask(WireAsker& asker, RequestKind kind, const std::vector<double>& numbers) {
+    dds::Sample<wire::Query> query;
+    query->kind = static_cast<std::uint8_t>(kind);
+    query->mask = 0xffffffff;
+    query->max_hits = 8;
+    test::put_questions(*query, numbers);
+    asker.send(*query);
+    Replies replies;
+    std::size_t answered = 0;
+    while (answered < kQuestions) {
+      const std::optional<WireAsker::Heard> heard = asker.reply_to(query->request, 20s);
+      if (!heard) break;
+      answered += heard->answers.size();
+      replies.emplace(heard->first_question, *heard);
+    }
+    EXPECT_EQ(answered, kQuestions);
+    return replies;
+  }
+  /// All of them as one, and whether each question has one answer.
+  static WireAsker::Heard whole(const Replies& replies) {
+    WireAsker::Heard all;
+    for (const auto& [first, part] : replies) {
+      EXPECT_EQ(first, all.answers.size()) << "each question is answered once";
+      EXPECT_EQ(part.version, replies.begin()->second.version) << "on one state";
+      const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+      append(all.answers, part.answers);
+      append(all.reasons, part.reasons);
+      append(all.hit_counts, part.hit_counts);
+      append(all.triangles, part.triangles);
+      append(all.objects, part.objects);
+      append(all.numbers, part.numbers);
+    }
+    return all;
+  }
+  std::vector<double> questions(RequestKind kind) {
+    std::uniform_real_distribution<double> x(-9, 9), z(-0.5, 4.5);
+    std::vector<double> numbers;
+    for (std::size_t i = 0; i < kQuestions; ++i) {
+      numbers.insert(numbers.end(), {x(random_), x(random_), z(random_)});
+      if (kind == RequestKind::near) numbers.push_back(3);
+      if (kind == RequestKind::ray) numbers.insert(numbers.end(), {x(random_), x(random_), z(random_), 30});
+      if (kind == RequestKind::box) numbers.insert(numbers.end(), {0.4, 0.5, 0.6, 1, 0, 0, 0});
+    }
+    return numbers;
+  }
+  std::mt19937_64 random_ = oracle::seeded(41);
+};
+
+TEST_F(ServerWireSharing, AnswersAreTheSameToTheBitFromAnyNumberOfThreads) {
+  std::map<RequestKind, std::vector<double>> asked;
+  for (const RequestKind kind : {RequestKind::ray, RequestKind::box, RequestKind::near}) asked[kind] = questions(kind);
+  std::map<RequestKind, WireAsker::Heard> expected;
+  for (const char* threads : {"1", "4"}) {
+    start({"--threads", threads});
+    WireAsker asker(domain_);
+    ASSERT_TRUE(asker.greet());
+    for (const auto& [kind, numbers] : asked) {
+      Replies replies = ask(asker, kind, numbers);
+      if (threads[0] == '1') {
+        expected[kind] = whole(replies);
+        continue;
+      }
+      // Who has nothing to do shows a moment after the last answer.
+      const bool is_spread = test::eventually([&] { return (replies = ask(asker, kind, numbers)).size() > 1; },
+                                              kind == RequestKind::near ? 20s : 1s);
+      EXPECT_TRUE(is_spread || kind != RequestKind::near) << "a thousand nearest points are worth four threads";
+      const WireAsker::Heard all = whole(replies);
+      EXPECT_EQ(all.answers, expected[kind].answers);
+      EXPECT_EQ(all.reasons, expected[kind].reasons);
+      EXPECT_EQ(all.hit_counts, expected[kind].hit_counts);
+      EXPECT_EQ(all.triangles, expected[kind].triangles);
+      EXPECT_EQ(all.objects, expected[kind].objects);
+      EXPECT_EQ(all.numbers, expected[kind].numbers);
+    }
+    servers_.clear();
+  }
+}
+
+}  // namespace
+}  // namespace collided::engine
