@@ -63,6 +63,12 @@ unsigned thread_count(const Options& options) {
   return options.threads > 0 ? options.threads : std::max(1U, std::thread::hardware_concurrency());
 }
 
+unsigned step_thread_count(const Options& options) {
+  constexpr unsigned kMost = 8;
+  if (options.step_threads > 0) return options.step_threads;
+  return std::clamp(std::thread::hardware_concurrency(), 1U, kMost);
+}
+
 dds::Participant join(const Options& options, spdlog::logger& log) {
   if (options.keys.empty() && options.interface != "lo") {
     log.warn("interface '{}' without keys: whoever reaches it may ask, change and publish; collide help roles",
@@ -147,6 +153,7 @@ Server::Parts::Parts(const Options& given, std::shared_ptr<spdlog::logger> logge
              .max_intervals = options.max_intervals,
              .clock_error_ns = options.clock_error_ns,
              .memory = {.reach_ns = options.memory_ns},
+             .step_threads = step_thread_count(options),
              .held = options.shard ? std::optional(options.shard->held) : std::nullopt}),
       durable(keep()),
       leases(world),

@@ -12,9 +12,9 @@
 #include "server/world/objects/object_rows.hpp"
 #include "server/world/objects/pair_rules.hpp"
 #include "server/world/objects/shared_primitives.hpp"
-#include "server/world/step/decisions.hpp"
 #include "server/world/step/inner_edges.hpp"
 #include "server/world/step/step_motion.hpp"
+#include "server/world/step/step_pool.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine {
@@ -61,6 +61,8 @@ struct World::State {
   ContactLedger ledger;
   SeparationCache apart;  // pairs of bare meshes, with each other and with scenes
   DecisionLists lists;
+  std::unique_ptr<StepPool> step_pool;  // null: the world's thread steps alone
+  const std::unique_ptr<StepBlocks> step_blocks = std::make_unique<StepBlocks>();
   StepCost cost;
   std::unique_ptr<Fences> fences;  // null until there is one
 

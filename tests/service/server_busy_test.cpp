@@ -17,7 +17,7 @@ using testing_support::LongStep;
 
 class ServerBusy : public testing_support::ServerTest {
  protected:
-  void SetUp() override { start(); }
+  void SetUp() override { start({"--step-threads", "1"}); }
   /// Whether the newest status says that a step has lasted for so long.
   static bool is_busy(Client& client, std::chrono::nanoseconds least) {
     const Result<ServerStatus> status = client.status();

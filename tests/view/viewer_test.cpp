@@ -23,7 +23,8 @@ constexpr auto kPatience = 60s;  // a busy machine is no fault of the viewer
 class Viewing : public testing::Test {
  protected:
   void start(const std::vector<std::string>& options = {}) {
-    server.emplace(std::vector<std::string>{COLLIDED_SERVER, "--domain", domain, "--state-dir", folder.path()},
+    server.emplace(std::vector<std::string>{COLLIDED_SERVER, "--domain", domain, "--state-dir", folder.path(),
+                                            "--step-threads", "1"},
                    folder.path(), "server");
     ASSERT_TRUE(server->says("ready:", kPatience)) << server->errors();
     publisher.emplace(std::vector<std::string>{COLLIDED_CLI, "publish", "--spheres", "200", "--side", "6", "--size",

@@ -18,11 +18,12 @@ namespace collided::engine::service {
 /// The server's configuration, each value checked. Keys, flags, variables and defaults: settings().
 struct Options {
   std::string name_space;
-  std::uint32_t threads = 0;  // that answer questions; 0: one a core
-  std::int64_t step_ns = 0;   // 0: a step as soon as something has changed
-  std::string state_dir;      // empty: chosen by epoch.hpp
-  std::string standby_of;     // namespace of the primary that this server stands by for; empty: it is a primary
-  std::string replica_of;     // namespace of the primary beside which this server answers questions; empty: it is none
+  std::uint32_t threads = 0;       // that answer questions; 0: one a core
+  std::uint32_t step_threads = 0;  // that decide what a step has to; 0: one a core, 8 at most
+  std::int64_t step_ns = 0;        // 0: a step as soon as something has changed
+  std::string state_dir;           // empty: chosen by epoch.hpp
+  std::string standby_of;          // namespace of the primary that this server stands by for; empty: it is a primary
+  std::string replica_of;  // namespace of the primary beside which this server answers questions; empty: it is none
   std::optional<ShardPlace> shard{};  // of a shard, which serves in the namespace of the shard
   std::string shard_map_address;  // its map is in etcd: until find_shard() only the shard's name is known; empty: no
   bool joins = false;             // it stands by where a primary is there, else it is the primary

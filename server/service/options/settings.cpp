@@ -111,6 +111,10 @@ Allowed apply_threads(Options& options, Values values) {
   return apply_whole(options.threads, values, 0, 256, " (0: one a core)");
 }
 
+Allowed apply_step_threads(Options& options, Values values) {
+  return apply_whole(options.step_threads, values, 0, 256, " (0: one a core, 8 at most)");
+}
+
 Allowed apply_step(Options& options, Values values) {
   if (values[0] == "on-sample") {
     options.step_ns = 0;
@@ -361,6 +365,8 @@ constexpr Setting kSettings[] = {
      "topics are NAME/object_v2, NAME/query_v2, ...", false, apply_namespace},
     {"server.threads", "--threads", "COLLIDED_THREADS", "0", "N", "threads that answer; 0: one a core", false,
      apply_threads},
+    {"server.step_threads", "--step-threads", "COLLIDED_STEP_THREADS", "0", "N",
+     "threads that decide what touches; 0: one a core, 8 at most", false, apply_step_threads},
     {"server.step", "--step", "COLLIDED_STEP", "on-sample", "TIME", "period of the collision step, or on-sample", false,
      apply_step},
     {"server.state_dir", "--state-dir", "COLLIDED_STATE_DIR", "", "DIR",

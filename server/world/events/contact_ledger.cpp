@@ -19,21 +19,23 @@ bool has_far_more_room(const std::vector<T>& list) {
   return list.capacity() > kKept && 16 * list.size() < list.capacity();
 }
 
-OpenContact opened(const FoundContact& found, std::int64_t world_time_ns) {
+}  // namespace
+
+OpenContact ContactLedger::opened(const FoundContact& found) const {
   return {.a = found.a,
           .b = found.b,
           .a_triangle = found.a_triangle,
           .b_triangle = found.b_triangle,
-          .began_ns = world_time_ns - std::llround(found.bracket_high_s * 1e9),
+          .began_ns = world_time_ns_ - std::llround(found.bracket_high_s * 1e9),
           .contact = found.contact,
           .surface = found.surface.value_or(found.contact),
           .contained = found.contained};
 }
 
-OpenContact doubted(const FoundContact& found, Doubt why, std::int64_t world_time_ns) {
-  OpenContact of = opened(found, world_time_ns);
+OpenContact ContactLedger::doubted(const FoundContact& found, Doubt why) const {
+  OpenContact of = opened(found);
   // The two may touch from the first undecided instant on.
-  of.began_ns = world_time_ns - std::llround(found.bracket_low_s * 1e9);
+  of.began_ns = world_time_ns_ - std::llround(found.bracket_low_s * 1e9);
   of.doubt = why;
   of.a_triangle = of.b_triangle = kNoTriangle;
   of.contained = Contained::none;
@@ -43,8 +45,6 @@ OpenContact doubted(const FoundContact& found, Doubt why, std::int64_t world_tim
   of.surface = of.contact;
   return of;
 }
-
-}  // namespace
 
 void ContactLedger::begin_step(std::int64_t world_time_ns, bool persisted_wanted) {
   // A crowd's first step begins all its contacts at once, and contacts go with those who had them.
@@ -86,7 +86,7 @@ void ContactLedger::touches(const FoundContact& found) {
     end(number, {EndReason::decided, found.bracket_low_s, found.bracket_high_s});
     number = PairIndex::kNone;
   }
-  if (number == PairIndex::kNone) return open(opened(found, world_time_ns_), found);
+  if (number == PairIndex::kNone) return open(opened(found), found);
   goes_on(number, found);
   changes_containment(number, found.contained, {EndReason::none, found.bracket_low_s, found.bracket_high_s});
   if (!persisted_wanted_) return;
@@ -153,7 +153,7 @@ bool ContactLedger::is_in_doubt(ObjectId a, ObjectId b) const {
 void ContactLedger::doubts(const FoundContact& found, Doubt why) {
   if (passes(found.a, found.b)) return;
   const std::uint32_t number = number_of(found.a, found.b);
-  if (number == PairIndex::kNone) return open(doubted(found, why, world_time_ns_), found);
+  if (number == PairIndex::kNone) return open(doubted(found, why), found);
   mark_found(number);
 }
 
@@ -180,7 +180,7 @@ void ContactLedger::doubted_and_parted(const FoundContact& found, Doubt why) {
   if (passes(found.a, found.b)) return;
   if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
   if (is_open(found.a, found.b)) return;
-  passed(doubted(found, why, world_time_ns_), found, EndReason::decided);
+  passed(doubted(found, why), found, EndReason::decided);
 }
 
 void ContactLedger::decided_apart(ObjectId a, ObjectId b, double bracket_low_s, double bracket_high_s) {
@@ -206,7 +206,7 @@ void ContactLedger::touched_and_parted(const FoundContact& found) {
   if (passes(found.a, found.b)) return;
   if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
   decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
-  passed(opened(found, world_time_ns_), found, is_of_fences_ ? EndReason::crossed : EndReason::separated);
+  passed(opened(found), found, is_of_fences_ ? EndReason::crossed : EndReason::separated);
 }
 
 void ContactLedger::passed(const OpenContact& opened, const FoundContact& found, EndReason reason) {

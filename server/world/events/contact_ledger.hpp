@@ -139,6 +139,13 @@ class ContactLedger {
   Contained contained(ObjectId a, ObjectId b) const;
   /// The pair holds or is in doubt.
   bool is_open(ObjectId a, ObjectId b) const { return number_of(a, b) != PairIndex::kNone; }
+  /// The pair is allowed to touch. Not thread-safe where any is.
+  bool passes(ObjectId a, ObjectId b) const { return is_allowed_ && is_allowed_(a, b); }
+  /// One of the two is lost: whatever is found of them is in doubt.
+  bool has_lost(ObjectId a, ObjectId b) const { return !lost_.empty() && (lost_.contains(a) || lost_.contains(b)); }
+  /// What a found contact, or a doubt of it, is when it begins.
+  OpenContact opened(const FoundContact& found) const;
+  OpenContact doubted(const FoundContact& found, Doubt why) const;
   std::size_t doubt_count() const { return doubt_count_; }
   /// Whether open()[index] was found in this step.
   bool found(std::size_t index) const { return found_in_step_[index] == step_; }
@@ -167,7 +174,6 @@ class ContactLedger {
   std::uint64_t last_sequence() const { return last_sequence_; }
 
  private:
-  bool passes(ObjectId a, ObjectId b) const { return is_allowed_ && is_allowed_(a, b); }
   bool has_faces(ObjectId id) const { return has_faces_ && has_faces_(id); }
 
   struct Pair {
@@ -183,7 +189,6 @@ class ContactLedger {
   std::uint32_t place_of(ObjectId id) const {
     return is_of_fences_ ? 2 * slot_of(id) + (is_fence(id) ? 1 : 0) : slot_of(id);
   }
-  bool has_lost(ObjectId a, ObjectId b) const { return !lost_.empty() && (lost_.contains(a) || lost_.contains(b)); }
   std::uint32_t number_of(ObjectId a, ObjectId b) const {
     return index_.find(a, b, [&](std::uint32_t number) { return open_[number].a == a && open_[number].b == b; });
   }

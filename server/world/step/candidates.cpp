@@ -20,13 +20,34 @@ void Candidates::decide_scenes() {
       if (!overlaps(step_.motion.bounds()[slot], step_.scenes[scene]->tree.bounds())) continue;
       const ObjectInfo* info = rows_.info(slot);
       if (info == nullptr || !info->moving) continue;
-      if (!decisions_.has_room()) {
-        cost_.truncated = true;
-        return;
-      }
-      decisions_.decide_scene(slot, scene);
+      const bool goes_on = is_shared_ ? shared_->add({.first = slot, .scene = static_cast<std::uint32_t>(scene)})
+                                      : decide_scene(slot, scene);
+      if (!goes_on) return;
     }
   }
+  // Whether pairs are looked at depends on what was found.
+  if (is_shared_) shared_->settle();
+}
+
+/// False: there is no room for what it may find.
+bool Candidates::decide_scene(std::uint32_t mover, std::size_t scene) {
+  if (!decisions_.has_room()) {
+    cost_.truncated = true;
+    return false;
+  }
+  decisions_.decide_scene(mover, scene);
+  decided_ += kSceneWeight;
+  look_whether_worth_sharing();
+  return true;
+}
+
+bool Candidates::decide(std::span<const StepItem> items) {
+  for (const StepItem& item : items) {
+    const bool goes_on =
+        item.scene == StepItem::kPair ? wait_for(item.first, item.second) : decide_scene(item.first, item.scene);
+    if (!goes_on) return false;
+  }
+  return consider_waiting();
 }
 
 void Candidates::decide_pairs(const Grid& grid) {
@@ -35,12 +56,12 @@ void Candidates::decide_pairs(const Grid& grid) {
     for (const std::uint32_t slot : query_movers.slots) {
       if (!look_around(grid, slot, query_movers.all)) return;
     }
-    consider_waiting();
+    if (consider_waiting() && is_shared_) shared_->settle();
     return;
   }
   const auto found = [&](std::uint32_t first, std::uint32_t second) { return wait_for(first, second); };
   grid.pairs(found, walk_);
-  consider_waiting();
+  if (consider_waiting() && is_shared_) shared_->settle();
 }
 
 Candidates::QueryMovers Candidates::find_query_movers() const {
@@ -86,6 +107,7 @@ bool Candidates::look_around(const Grid& grid, std::uint32_t mover, bool all_loo
 
 /// Queues a pair and prefetches its data. False: there is no room for more, and the search ends.
 bool Candidates::wait_for(std::uint32_t first, std::uint32_t second) {
+  if (is_shared_) return shared_->add({.first = first, .second = second});
   for (const std::uint32_t slot : {first, second}) {
     const auto* ball = reinterpret_cast<const char*>(&step_.motion.ball(slot));
     __builtin_prefetch(ball);
@@ -99,12 +121,9 @@ bool Candidates::wait_for(std::uint32_t first, std::uint32_t second) {
 bool Candidates::consider_waiting() {
   const std::size_t count = std::exchange(waiting_.count, 0);
   // Balls are mostly decided by what is prefetched already; of all else a decision reads rows, descriptions and contacts.
-  const auto are_balls = [&](std::size_t i) {
-    const auto& [first, second] = waiting_.pairs[i];
-    return step_.motion.ball(first).radius_m >= 0 && step_.motion.ball(second).radius_m >= 0;
-  };
+  const auto are_balls_of = [&](std::size_t i) { return are_balls(waiting_.pairs[i].first, waiting_.pairs[i].second); };
   for (std::size_t i = 0; i < count; ++i) {
-    if (!are_balls(i)) decisions_.prefetch_pair(waiting_.pairs[i].first, waiting_.pairs[i].second);
+    if (!are_balls_of(i)) decisions_.prefetch_pair(waiting_.pairs[i].first, waiting_.pairs[i].second);
   }
   for (std::size_t i = 0; i < count; ++i) {
     for (const std::uint32_t slot : {waiting_.pairs[i].first, waiting_.pairs[i].second}) {
@@ -115,11 +134,12 @@ bool Candidates::consider_waiting() {
     }
   }
   for (std::size_t i = 0; i < count; ++i) {
-    if (!are_balls(i)) decisions_.prefetch_contact(waiting_.pairs[i].first, waiting_.pairs[i].second);
+    if (!are_balls_of(i)) decisions_.prefetch_contact(waiting_.pairs[i].first, waiting_.pairs[i].second);
   }
   for (std::size_t i = 0; i < count; ++i) {
     if (!consider(waiting_.pairs[i].first, waiting_.pairs[i].second)) return false;
   }
+  look_whether_worth_sharing();
   return true;
 }
 
@@ -140,6 +160,7 @@ bool Candidates::consider(std::uint32_t first, std::uint32_t second) {
   }
   cost_.truncated = cost_.truncated || !decisions_.has_room();
   if (cost_.truncated) return false;
+  if (shared_ != nullptr) decided_ += are_balls(first, second) ? 1 : a.mesh && b.mesh ? kMeshWeight : kShapeWeight;
   if (on_common_time) {
     decisions_.decide_on_common_time(first, second);
   } else {

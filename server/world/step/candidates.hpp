@@ -2,24 +2,28 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "server/broad_phase/grid/grid.hpp"
-#include "server/world/step/decisions.hpp"
+#include "server/world/step/shared_decisions.hpp"
 
 namespace collided::engine {
 
 /// The candidates of one step: offers each pair whose motions may meet by their bounds to the decisions, once.
 class Candidates {
  public:
-  Candidates(const StepView& step, Decisions& decisions, StepCost& cost)
-      : step_(step), rows_(step.rows), decisions_(decisions), cost_(cost) {}
+  /// shared  takes what comes once there is much to decide; null: all is decided here
+  Candidates(const StepView& step, Decisions& decisions, StepCost& cost, SharedDecisions* shared = nullptr)
+      : step_(step), rows_(step.rows), decisions_(decisions), cost_(cost), shared_(shared) {}
 
   /// Offers movers and static scenes.
   void decide_scenes();
   /// Offers pairs of objects; the grid must be built over the motions' bounds.
   void decide_pairs(const Grid& grid);
+  /// Decides a block's items, in their order. False: there is no room for more.
+  bool decide(std::span<const StepItem> items);
 
  private:
   /// Movers such that every pair to be tested contains one of them: those that moved, or all of them where something
@@ -36,6 +40,16 @@ class Candidates {
   };
 
   QueryMovers find_query_movers() const;
+  /// Deciding a mover in a scene, or a pair of such objects, takes about as long as so many pairs of balls.
+  static constexpr std::size_t kShapeWeight = 4;
+  static constexpr std::size_t kSceneWeight = 16;
+  static constexpr std::size_t kMeshWeight = 32;
+
+  bool are_balls(std::uint32_t first, std::uint32_t second) const {
+    return step_.motion.ball(first).radius_m >= 0 && step_.motion.ball(second).radius_m >= 0;
+  }
+  bool decide_scene(std::uint32_t mover, std::size_t scene);
+  void look_whether_worth_sharing() { is_shared_ = shared_ != nullptr && shared_->is_worth(decided_); }
   bool look_around(const Grid& grid, std::uint32_t mover, bool all_look);
   bool wait_for(std::uint32_t first, std::uint32_t second);
   bool consider_waiting();
@@ -45,6 +59,9 @@ class Candidates {
   const ObjectRows& rows_;
   Decisions& decisions_;
   StepCost& cost_;
+  SharedDecisions* const shared_;
+  bool is_shared_ = false;
+  std::size_t decided_ = 0;  // pairs, by their weights
   WalkCost walk_;
   Waiting waiting_;
 };

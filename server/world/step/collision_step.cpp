@@ -165,8 +165,11 @@ void World::State::fill(Snapshot& next, std::int64_t world_time_ns) {
 }
 
 void World::State::decide(const StepView& step, const Grid& grid) {
+  lists.boxes.begin_step(rows.size());
+  if (options.step_threads > 1 && !step_pool) step_pool = std::make_unique<StepPool>(options.step_threads - 1);
   Decisions decisions(step, ledger, apart, lists, cost);
-  Candidates candidates(step, decisions, cost);
+  SharedDecisions shared(step, ledger, apart, lists, cost, step_pool.get(), *step_blocks);
+  Candidates candidates(step, decisions, cost, step_pool ? &shared : nullptr);
   candidates.decide_scenes();
   if (!cost.truncated) candidates.decide_pairs(grid);
   // The search was cut short: contacts it did not reach must still be confirmed or ended.

@@ -392,7 +392,7 @@ FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangl
 
 /// There is room for one more contact; else the search is marked as cut short.
 bool Decisions::may_begin() {
-  cost_.truncated = cost_.truncated || ledger_.open().size() >= step_.options.max_contacts;
+  cost_.truncated = cost_.truncated || ledger_.is_full(step_.options.max_contacts);
   return !cost_.truncated;
 }
 

@@ -9,23 +9,17 @@
 #include "server/world/objects/object_placing.hpp"
 
 namespace collided::engine {
-namespace {
-
-/// Candidates that a step may test per contact that it may find: pairs that are apart cost time, but never memory.
-constexpr std::uint64_t kCandidatesAContact = 16;
-
-}  // namespace
-
 bool Decisions::has_room() const {
+  if (ledger_.is_recording()) return true;
   return cost_.contacts < step_.options.max_contacts &&
          cost_.candidate_pairs < kCandidatesAContact * step_.options.max_contacts;
 }
 
 void Decisions::decide_open() {
-  for (std::size_t i = 0; i < ledger_.open().size(); ++i) {
-    if (ledger_.found(i)) continue;
-    const std::uint32_t a = slot_of(ledger_.open()[i].a);
-    const std::uint32_t b = slot_of(ledger_.open()[i].b);
+  for (std::size_t i = 0; i < ledger_.all().open().size(); ++i) {
+    if (ledger_.all().found(i)) continue;
+    const std::uint32_t a = slot_of(ledger_.all().open()[i].a);
+    const std::uint32_t b = slot_of(ledger_.all().open()[i].b);
     if (are_on_common_time(a, b)) continue;  // end_parted() decides it
     if (!rows_.has_moved(a) && !rows_.has_moved(b)) continue;
     const bool a_is_part = rows_.info(a)->scene_part != kNoTriangle;
@@ -59,7 +53,7 @@ void Decisions::end_parted(std::int64_t last_step_ns) {
     }
     return end;
   };
-  ledger_.end_unfound(rows_.moved(), end_of);
+  ledger_.all().end_unfound(rows_.moved(), end_of);
 }
 
 /// Decides the contacts on common time whose objects' bounds no longer meet. Nothing new is known of two objects that
@@ -68,28 +62,28 @@ void Decisions::decide_unfound() {
   std::vector<std::uint32_t>& unfound = lists_.unfound;
   unfound.clear();
   const auto look_at = [&](std::uint32_t number) {
-    const OpenContact& open = ledger_.open()[number];
-    if (!ledger_.found(number) && are_on_common_time(slot_of(open.a), slot_of(open.b))) unfound.push_back(number);
+    const OpenContact& open = ledger_.all().open()[number];
+    if (!ledger_.all().found(number) && are_on_common_time(slot_of(open.a), slot_of(open.b))) unfound.push_back(number);
     return true;
   };
   if (step_.looks_at_all || step_.sources.is_any_behind_floor()) {
-    for (std::uint32_t number = 0; number < ledger_.open().size(); ++number) look_at(number);
+    for (std::uint32_t number = 0; number < ledger_.all().open().size(); ++number) look_at(number);
   } else {
     for (const std::vector<std::uint32_t>* slots :
          {&rows_.moved(), &motion_.young(), &motion_.history().travelling()}) {
-      for (const std::uint32_t slot : *slots) ledger_.for_each_of(slot, look_at);
+      for (const std::uint32_t slot : *slots) ledger_.all().for_each_of(slot, look_at);
     }
   }
   std::sort(unfound.begin(), unfound.end());
   unfound.erase(std::unique(unfound.begin(), unfound.end()), unfound.end());
   lists_.unfound_pairs.clear();
   for (const std::uint32_t number : unfound) {
-    const OpenContact& open = ledger_.open()[number];
+    const OpenContact& open = ledger_.all().open()[number];
     lists_.unfound_pairs.emplace_back(slot_of(open.a), slot_of(open.b));
   }
   for (const auto& [a, b] : lists_.unfound_pairs) {
     decide_on_common_time(a, b);
-    if (ledger_.is_found_again(rows_.info(a)->id, rows_.info(b)->id)) decide_where_known(a, b);
+    if (ledger_.all().is_found_again(rows_.info(a)->id, rows_.info(b)->id)) decide_where_known(a, b);
   }
 }
 
@@ -117,7 +111,7 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
   const bool holds_on = sweep != nullptr && sweep->yes && !touch.yes && !passed;
   if (!touch.yes && !passed && !holds_on) return report_doubt(a, b, touch, sweep, mover);
   // Contacts that hold take their room, whether this search has reached them yet or not.
-  if (!is_held && !passed && ledger_.open().size() >= step_.options.max_contacts) cost_.truncated = true;
+  if (!is_held && !passed && ledger_.is_full(step_.options.max_contacts)) cost_.truncated = true;
   if (cost_.truncated && !is_held) return;
   ++cost_.contacts;
   FoundContact found{.a = a,

@@ -9,11 +9,11 @@
 #include <vector>
 
 #include "server/geometry/function_ref.hpp"
-#include "server/world/events/contact_ledger.hpp"
 #include "server/world/objects/contact_times.hpp"
 #include "server/world/objects/object_rows.hpp"
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/objects/sweep.hpp"
+#include "server/world/step/pair_ledger.hpp"
 #include "server/world/step/pair_windows.hpp"
 #include "server/world/step/piece_points.hpp"
 #include "server/world/step/placed_boxes.hpp"
@@ -78,19 +78,22 @@ struct PairPiece {
 };
 
 /// The decisions of one step: sends each candidate's contact, at the end of the step and on the way there, to the
-/// ledger.
+/// ledger, or to a block that is applied to it later.
+///
+/// threads  one; several with a block and lists each may decide at once, while the ledger is not written
 class Decisions {
  public:
-  Decisions(const StepView& step, ContactLedger& ledger, SeparationCache& apart, DecisionLists& lists, StepCost& cost)
+  /// lists  for one thread; their boxes are those of this step
+  /// block  takes what is found, on a thread beside the world's; null: the ledger does
+  Decisions(const StepView& step, ContactLedger& ledger, SeparationCache& apart, DecisionLists& lists, StepCost& cost,
+            StepBlock* block = nullptr)
       : step_(step),
         rows_(step.rows),
         motion_(step.motion),
-        ledger_(ledger),
+        ledger_(ledger, block),
         apart_(apart),
         lists_(lists),
-        cost_(cost) {
-    lists_.boxes.begin_step(rows_.size());
-  }
+        cost_(cost) {}
 
   /// Decides a mover against all parts of a scene.
   void decide_scene(std::uint32_t mover, std::size_t scene_number);
@@ -98,10 +101,10 @@ class Decisions {
   void decide_pair(std::uint32_t first, std::uint32_t second);
   /// Prefetches what decide_pair() looks up first of a pair, and then the contact that it may have. Only hints.
   [[gnu::always_inline]] void prefetch_pair(std::uint32_t first, std::uint32_t second) const {
-    ledger_.prefetch(lower_id(first, second), higher_id(first, second));
+    ledger_.all().prefetch(lower_id(first, second), higher_id(first, second));
   }
   [[gnu::always_inline]] void prefetch_contact(std::uint32_t first, std::uint32_t second) const {
-    ledger_.prefetch_contact(lower_id(first, second), higher_id(first, second));
+    ledger_.all().prefetch_contact(lower_id(first, second), higher_id(first, second));
   }
   /// After a search that was cut short: decides each open contact that the search did not reach.
   void decide_open();
@@ -120,7 +123,18 @@ class Decisions {
   /// One more pair may be tested, and found.
   bool has_room() const;
 
+  /// Candidates that a step may test per contact that it may find: pairs that are apart cost time, but never memory.
+  static constexpr std::uint64_t kCandidatesAContact = 16;
+  /// Whether after so many looks of a step's sweeps each one may still take as many as the first.
+  static bool are_looks_free(std::uint64_t looks) { return looks + kMostSweepLooks <= kStepLooks; }
+
  private:
+  /// Tests of pairs of parts that the sweep of one pair may take: some 20 ms, during which all other pairs wait.
+  static constexpr std::uint32_t kMostSweepLooks = 10'000;
+  /// What all sweeps of a step may take before each one has only the least: some 0.1 s.
+  static constexpr std::uint32_t kStepLooks = 50'000;
+  static constexpr std::uint32_t kLeastSweepLooks = 200;
+
   // decisions.cpp: turns findings into calls of the ledger
   void report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep, std::uint32_t mover,
               Contained contained, const ContactEnd* parted = nullptr);
@@ -243,7 +257,7 @@ class Decisions {
   const StepView& step_;
   const ObjectRows& rows_;
   const StepMotion& motion_;
-  ContactLedger& ledger_;
+  PairLedger ledger_;
   SeparationCache& apart_;
   DecisionLists& lists_;
   StepCost& cost_;

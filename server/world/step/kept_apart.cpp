@@ -15,8 +15,9 @@ double Decisions::gap_wanted_m(std::uint32_t slot) const {
 }
 
 void Decisions::remember_gap(std::uint32_t slot, std::uint32_t partner, double gap_m, bool there_is) {
-  if (there_is) apart_.remember(slot, partner, gap_m);
-  else apart_.looked_in_vain(slot, partner);
+  const GapFound found{.slot = slot, .partner = partner, .gap_m = gap_m, .there_is = there_is};
+  if (StepBlock* const block = ledger_.block()) block->gaps.push_back(found);
+  else apart_.note(found);
 }
 
 void Decisions::look_for_gap(std::uint32_t first, std::uint32_t second) {

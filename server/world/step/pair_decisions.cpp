@@ -12,13 +12,6 @@
 namespace collided::engine {
 namespace {
 
-/// Tests of pairs of parts that the sweep of one pair may take: some 20 ms, during which all other pairs wait.
-constexpr std::uint32_t kMostSweepLooks = 10'000;
-/// What all sweeps of a step may take before each one has only the least: some 0.1 s, since a server that is silent for
-/// much longer is taken for dead.
-constexpr std::uint32_t kStepLooks = 50'000;
-constexpr std::uint32_t kLeastSweepLooks = 200;
-
 /// False: they are not two boxes, or search_objects() must decide them.
 bool search_placed(const PlacedBoxPair& boxes, ContactSearch& touch) {
   if (!boxes.are_boxes()) return false;

@@ -6,10 +6,18 @@
 
 namespace collided::engine {
 
+/// What a search for a gap between two that are apart has found.
+struct GapFound {
+  std::uint32_t slot = 0;
+  std::uint32_t partner = 0;
+  double gap_m = 0;
+  bool there_is = false;  // they are more than gap_m apart
+};
+
 /// Pairs found a gap apart, with how far their objects have moved since: until the gap is used up they cannot have met,
 /// and are not tested again. For pairs with expensive tests: meshes.
 /// A partner is an object's slot, or a number chosen by the caller for something that does not move.
-/// threads  one
+/// threads  one; while none changes it, several may ask about different pairs
 class SeparationCache {
  public:
   static constexpr std::size_t kMost = 100'000;  // pairs; further ones are tested every time
@@ -29,6 +37,12 @@ class SeparationCache {
   bool is_worth_looking(std::uint32_t slot, std::uint32_t partner) const;
   /// Records that a search found no gap; is_worth_looking() is false for the next few steps.
   void looked_in_vain(std::uint32_t slot, std::uint32_t partner);
+
+  /// One of these two.
+  void note(const GapFound& found) {
+    if (found.there_is) remember(found.slot, found.partner, found.gap_m);
+    else looked_in_vain(found.slot, found.partner);
+  }
 
   /// Once per step; forgets pairs that were not looked up in a while.
   void end_step();

@@ -118,6 +118,7 @@ TEST_F(OptionsFile, EverySettingSetsItsOwnFieldAndNoOther) {
   const Row rows[] = {
       {"server.namespace", "hall", [](const Options& o) { return o.name_space == "hall"; }},
       {"server.threads", "3", [](const Options& o) { return o.threads == 3; }},
+      {"server.step_threads", "5", [](const Options& o) { return o.step_threads == 5; }},
       {"server.step", "2ms", [](const Options& o) { return o.step_ns == 2'000'000; }},
       {"server.state_dir", "/tmp/x", [](const Options& o) { return o.state_dir == "/tmp/x"; }},
       {"server.standby_of", "yard", [](const Options& o) { return o.standby_of == "yard"; }},
@@ -254,6 +255,7 @@ TEST(Options, TheDefaultsAreThoseOfTheHelp) {
 TEST(Options, LimitsAreThoseThatTheRefusalNames) {
   const std::tuple<const char*, std::vector<const char*>, std::vector<const char*>> kRows[] = {
       {"--threads", {"0", "256"}, {"-1", "257"}},
+      {"--step-threads", {"0", "256"}, {"-1", "257"}},
       {"--step", {"100us", "10s"}, {"99us", "11s", "0"}},
       {"--max-objects", {"1", "16000000"}, {"0", "16000001"}},
       {"--max-contacts", {"1", "100000000"}, {"0", "100000001"}},

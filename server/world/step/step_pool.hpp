@@ -1,0 +1,54 @@
+#pragma once
+
+#include <condition_variable>
+#include <cstddef>
+#include <cstdint>
+#include <deque>
+#include <exception>
+#include <functional>
+#include <mutex>
+#include <thread>
+#include <vector>
+
+#include "server/world/step/decisions.hpp"
+
+namespace collided::engine {
+
+/// Threads that decide blocks of a step beside the world's. They sleep while there is none.
+///
+/// threads  all but the constructor and destructor: the world's
+class StepPool {
+ public:
+  /// Decides a block; `lists` are the thread's own, with this step's boxes.
+  using Decide = std::function<void(StepBlock& block, DecisionLists& lists)>;
+
+  explicit StepPool(unsigned helpers);
+  ~StepPool();
+  StepPool(const StepPool&) = delete;
+  StepPool& operator=(const StepPool&) = delete;
+
+  /// Before the first block of a step.
+  void begin_step(Decide decide, std::size_t slot_count);
+  /// Has a block decided. It and what it reads must stay as they are until finish().
+  void push(StepBlock& block);
+  /// Decides with the others until all blocks are done. Throws what deciding one of them threw.
+  void finish(DecisionLists& own_lists);
+
+ private:
+  void run();
+  void decide_or_fail(StepBlock& block, DecisionLists& lists);
+
+  std::mutex mutex_;  // for all but threads_
+  std::condition_variable came_;
+  std::condition_variable done_;
+  std::deque<StepBlock*> waiting_;
+  std::size_t under_way_ = 0;
+  std::uint64_t step_ = 0;
+  std::size_t slot_count_ = 0;
+  Decide decide_;
+  std::exception_ptr failure_;
+  bool is_over_ = false;
+  std::vector<std::thread> threads_;
+};
+
+}  // namespace collided::engine
