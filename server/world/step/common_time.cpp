@@ -32,6 +32,10 @@ BodyMotion::PointVelocity velocity_on(const MotionSegment* segment, const Vec3& 
 
 void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second) {
   if (rows_.info(second)->id < rows_.info(first)->id) std::swap(first, second);
+  if (ways_stay_apart(first, second) && !ledger_.is_open(rows_.info(first)->id, rows_.info(second)->id)) {
+    ++cost_.candidate_pairs;
+    return;
+  }
   const PairWindow window = window_of(step_, first, second);
   const MotionHistory& history = step_.motion.history();
   const auto moves = [&](std::uint32_t slot) { return history.moves(slot, window.from_ns, window.to_ns); };
@@ -313,6 +317,22 @@ std::optional<SweptContact> Decisions::sweep_sphere_piece(const PairPiece& piece
   sweep_object(sweep, at_end, walk_);
   cost_.exact_tests += sweep.found.exact_tests;
   return sweep.found;
+}
+
+/// Two lone spheres certainly do not meet, wherever on its newest way each of them is at any time that is not decided yet.
+bool Decisions::ways_stay_apart(std::uint32_t a, std::uint32_t b) const {
+  const BallMotion& way = motion_.ball(a);
+  const BallMotion& other = motion_.ball(b);
+  if (way.radius_m < 0 || other.radius_m < 0) return false;
+  const MotionHistory& history = step_.motion.history();
+  if (!history.is_on_one_way(a) || !history.is_on_one_way(b)) return false;
+  // Twice the distance of the middles, and twice how far the balls reach from there.
+  const Vec3 between = (way.start + way.end) - (other.start + other.end);
+  const double reach_m =
+      (way.end - way.start).norm() + (other.end - other.start).norm() + 2 * way.radius_m + 2 * other.radius_m;
+  constexpr double kRoundings = 0x1p-46;
+  const double size_m = way.start.lpNorm<1>() + way.end.lpNorm<1>() + other.start.lpNorm<1>() + other.end.lpNorm<1>();
+  return between.norm() > reach_m * (1 + kRoundings) + kRoundings * size_m;
 }
 
 /// Two lone spheres certainly do not meet in this time, judged from their centres alone.

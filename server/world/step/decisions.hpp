@@ -186,6 +186,7 @@ class Decisions {
 
   // common_time.cpp: pairs of several publishers
   bool decide_piece(const PairPiece& piece);
+  bool ways_stay_apart(std::uint32_t a, std::uint32_t b) const;
   bool balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const;
   void begin_window(std::uint32_t first, std::uint32_t second, const PairWindow& window);
   bool decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted);

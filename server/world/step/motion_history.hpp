@@ -36,6 +36,11 @@ class MotionHistory {
   /// Slots with a segment.
   const std::vector<std::uint32_t>& travelling() const { return travelling_; }
   bool is_travelling(std::uint32_t slot) const { return slot < segments_.size() && !segments_[slot].empty(); }
+  /// The object has one segment, which is no jump, or none.
+  bool is_on_one_way(std::uint32_t slot) const {
+    if (!is_travelling(slot)) return true;
+    return segments_[slot].size() == 1 && !segments_[slot].front().is_jump();
+  }
   /// Some of a segment lies in (from_ns, to_ns].
   bool moves(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns) const;
   bool jumps(std::uint32_t slot, std::int64_t time_ns) const;

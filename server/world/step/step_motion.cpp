@@ -109,6 +109,18 @@ void StepMotion::end_step(std::int64_t floor_ns) {
   history_.forget_up_to(floor_ns);
 }
 
+namespace {
+
+/// As bounds(info, path, reach_m) of an object that is a sphere, whose bounds at the end are known.
+Aabb bounds_of_way(const Sphere& sphere, const BodyMotion& path, const Aabb& at_end) {
+  const Aabb at_begin = engine::bounds(place(path.from, sphere));
+  Aabb all = grown(at_begin, placing_error_of(path.from, sphere));
+  all.extend(at_end);
+  return grown(all, 2 * path.error_m(sphere.center.norm() + sphere.radius_m));
+}
+
+}  // namespace
+
 MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Source& source, const Aabb& at_end) {
   const ObjectRow& row = rows[slot];
   const MotionTimes times = motion_times(row, rows.is_new(slot), &source);
@@ -116,10 +128,11 @@ MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Sourc
       .from_ns = times.from_ns, .to_ns = times.to_ns, .from = row.frame_before(), .to = row.frame(), .bounds = at_end};
   if (!segment.is_jump()) {
     segment.pivot = rows.pivot(slot);
-    const BodyMotion path = motion_between(rows.lone_sphere(slot), segment.from, segment.to, segment.pivot);
+    const std::optional<Sphere> sphere = rows.lone_sphere(slot);
+    const BodyMotion path = motion_between(sphere, segment.from, segment.to, segment.pivot);
     segment.from = path.from;
     segment.to = path.to;
-    segment.bounds = bounds(*rows.info(slot), path, row.reach_m);
+    segment.bounds = sphere ? bounds_of_way(*sphere, path, at_end) : bounds(*rows.info(slot), path, row.reach_m);
   } else {
     segment.bounds.extend(bounds_of(*rows.info(slot), segment.from));
   }
