@@ -25,7 +25,10 @@ class ContactLinks {
   /// The next number is the contact of these two. is_at_faces: see set_at_faces().
   void add(const LinkedSide& a, const LinkedSide& b, bool is_at_faces) {
     for (const LinkedSide& side : {a, b}) {
-      if (side.slot >= lists_.size()) lists_.resize(side.slot + 1);
+      if (side.slot >= lists_.size()) {
+        reserve_column(lists_, side.slot + 1);
+        lists_.resize(side.slot + 1);
+      }
       reserve_column(links_, links_.size() + 1, 4);
       links_.push_back({.slot = side.slot & kSlotBits, .meets_faces = side.meets_faces});
       put_first(static_cast<std::uint32_t>(links_.size() - 1), side.meets_faces && is_at_faces);
@@ -54,7 +57,11 @@ class ContactLinks {
     links_.resize(links_.size() - 2);
   }
   /// Gives memory back that most of the contacts took which are gone.
-  void give_back() { links_.shrink_to_fit(); }
+  void give_back() {
+    links_.shrink_to_fit();
+    while (!lists_.empty() && lists_.back().first[0] == kNone && lists_.back().first[1] == kNone) lists_.pop_back();
+    lists_.shrink_to_fit();
+  }
   /// How many contacts at flat faces the object has.
   std::uint32_t face_count(std::uint32_t slot) const { return slot < lists_.size() ? lists_[slot].face_count : 0; }
   /// Calls visit(number) for these, the latest first, until one returns false; the visit must not add or remove any.

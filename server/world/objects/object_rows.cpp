@@ -200,8 +200,7 @@ void ObjectRows::copy_changes(Snapshot& to) {
     stale[slot] = row.is_stale ? 1 : 0;
   }
   to.changes_seen = changes_.count();
-  if (const auto defined = definitions_.since(to.definitions_seen, size() / 2)) to.objects.follow(table_, *defined);
-  else to.objects = table_;
+  to.objects.follow(table_, count, definitions_.since(to.definitions_seen, count / 2));
   to.definitions_seen = definitions_.count();
 }
 

@@ -1,5 +1,6 @@
 #include "server/world/objects/object_table.hpp"
 
+#include <algorithm>
 #include <atomic>
 #include <utility>
 
@@ -49,12 +50,20 @@ void ObjectTable::set(std::uint32_t slot, Entry entry) {
 
 void ObjectTable::note_scenes() { version_ = parts_version_ = next_version(); }
 
-void ObjectTable::follow(const ObjectTable& newer, std::span<const std::uint32_t> changed) {
-  resize_column(entries_, newer.size());
-  resize_column(chunk_versions_, newer.chunk_versions_.size());
-  for (const std::uint32_t slot : changed) {
-    entries_[slot] = newer.entries_[slot];
-    chunk_versions_[slot / kChunk] = newer.chunk_versions_[slot / kChunk];
+void ObjectTable::follow(const ObjectTable& newer, std::size_t slot_count,
+                         const std::optional<std::span<const std::uint32_t>>& changed) {
+  const std::size_t chunk_count = chunks_for(slot_count);
+  resize_column(entries_, slot_count);
+  resize_column(chunk_versions_, chunk_count);
+  if (!changed) {
+    std::copy_n(newer.entries_.begin(), slot_count, entries_.begin());
+    std::copy_n(newer.chunk_versions_.begin(), chunk_count, chunk_versions_.begin());
+  } else {
+    for (const std::uint32_t slot : *changed) {
+      if (slot >= slot_count) continue;
+      entries_[slot] = newer.entries_[slot];
+      chunk_versions_[slot / kChunk] = newer.chunk_versions_[slot / kChunk];
+    }
   }
   version_ = newer.version_;
   parts_version_ = newer.parts_version_;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -52,8 +53,11 @@ class ObjectTable {
   void set(std::uint32_t slot, Entry entry);
   /// Scenes came or went, with parts or without.
   void note_scenes();
-  /// Becomes equal to `newer`, where only these slots differ. Costs what they cost, however many there are.
-  void follow(const ObjectTable& newer, std::span<const std::uint32_t> changed);
+  /// Becomes equal to the first slots of `newer`, behind which all are free.
+  ///
+  /// changed  the only slots that differ, so that the cost is theirs; nothing: any may
+  void follow(const ObjectTable& newer, std::size_t slot_count,
+              const std::optional<std::span<const std::uint32_t>>& changed);
 
  private:
   void count(const Entry& entry, bool joins);
