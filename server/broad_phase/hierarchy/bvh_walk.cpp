@@ -265,43 +265,75 @@ HWY_INLINE int push_sorted(const Node& node, unsigned mask, const float* entry, 
   return size;
 }
 
-void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, Bvh::NearCandidate candidate,
-              WalkCost& cost) {
+/// Visits the leaves of a walk for what is near.
+class NearLeaves {
+ public:
+  NearLeaves(const Layout& layout, const LocalPoint& point, Bvh::NearCandidate candidate)
+      : layout_(layout), point_(point), candidate_(candidate) {}
+
+  /// Offers the triangles of a leaf that may be near; returns the new limit.
+  HWY_INLINE double visit(Ref ref, float limit, double limit_m2, WalkCost& cost) {
+    const Leaf& leaf = layout_.leaves[ref & kIndexMask];
+    ++cost.nodes;
+    HWY_ALIGN float distance[kWidth];
+    unsigned mask = 0;
+    unsigned inner = 0;
+    for (int first = 0; first < kWidth; first += kLanes) {
+      const Boxes boxes = triangle_boxes(leaf, first, layout_.has_corners);
+      mask |= within(boxes, point_, limit, distance + first) << first;
+      inner |= wholly_within(boxes, point_, limit) << first;
+    }
+    mask &= (2u << (leaf_count(ref) - 1)) - 1;
+    if (mask == 0) return limit_m2;
+    // A caller that wants everything within reach gains nothing from bounds in a leaf wholly within it; a caller that
+    // wants the nearest is recognised by its shrinking limit.
+    const bool all_near = lists_all_ && (mask & ~inner) == 0;
+    for (int first = 0; first < kWidth && !all_near; first += kLanes) {
+      hn::Store(squares_below(leaf, first, layout_.has_corners, point_), kFloats, distance + first);
+    }
+    const double left_m2 = tell_near(NumberCall{candidate_}, leaf, mask, distance, point_, limit_m2, cost);
+    lists_all_ = left_m2 == limit_m2;
+    return left_m2;
+  }
+
+ private:
+  const Layout& layout_;
+  const LocalPoint& point_;
+  Bvh::NearCandidate candidate_;
+  bool lists_all_ = false;
+};
+
+/// The same where a leaf is one box, which was met as a child of its node.
+struct NearBoxes {
+  Bvh::NearCandidate candidate;
+
+  HWY_INLINE double visit(Ref ref, float, double limit_m2, WalkCost& cost) {
+    ++cost.candidates;
+    return candidate(ref & kIndexMask, limit_m2);
+  }
+};
+
+template <class Leaves>
+HWY_INLINE void walk_nearest_first(const Layout& layout, const LocalPoint& point, double limit_m2, Leaves leaves,
+                                   WalkCost& cost) {
   Waiting stack[kStackSize];
   HWY_ALIGN float distance[kWidth];
   int size = 0;
   float limit = point.local_limit(limit_m2);
-  bool lists_all = false;
   stack[size++] = {layout.root, 0};
   while (size > 0) {
     const Waiting top = stack[--size];
     if (top.entry > limit) continue;
-    ++cost.nodes;
-    unsigned mask = 0;
     if (is_leaf(top.ref)) {
-      const Leaf& leaf = layout.leaves[top.ref & kIndexMask];
-      unsigned inner = 0;
-      for (int first = 0; first < kWidth; first += kLanes) {
-        const Boxes boxes = triangle_boxes(leaf, first, layout.has_corners);
-        mask |= within(boxes, point, limit, distance + first) << first;
-        inner |= wholly_within(boxes, point, limit) << first;
-      }
-      mask &= (2u << (leaf_count(top.ref) - 1)) - 1;
-      if (mask == 0) continue;
-      // A caller that wants everything within reach gains nothing from bounds in a leaf wholly within it; a caller that
-      // wants the nearest is recognised by its shrinking limit.
-      const bool all_near = lists_all && (mask & ~inner) == 0;
-      for (int first = 0; first < kWidth && !all_near; first += kLanes) {
-        hn::Store(squares_below(leaf, first, layout.has_corners, point), kFloats, distance + first);
-      }
       const double before_m2 = limit_m2;
-      limit_m2 = tell_near(NumberCall{candidate}, leaf, mask, distance, point, limit_m2, cost);
-      lists_all = limit_m2 == before_m2;
+      limit_m2 = leaves.visit(top.ref, limit, limit_m2, cost);
       if (!(limit_m2 >= 0)) return;
-      limit = point.local_limit(limit_m2);
+      if (limit_m2 != before_m2) limit = point.local_limit(limit_m2);
       continue;
     }
+    ++cost.nodes;
     const Node& node = layout.nodes[top.ref];
+    unsigned mask = 0;
     for (int first = 0; first < kWidth; first += kLanes) {
       mask |= within(child_boxes(node, first), point, limit, distance + first) << first;
     }
@@ -309,32 +341,14 @@ void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, Bv
   }
 }
 
-/// Offers the boxes themselves, each a child of a node.
+void WalkNear(const Layout& layout, const LocalPoint& point, double limit_m2, Bvh::NearCandidate candidate,
+              WalkCost& cost) {
+  walk_nearest_first(layout, point, limit_m2, NearLeaves(layout, point, candidate), cost);
+}
+
 void WalkNearBoxes(const Layout& layout, const LocalPoint& point, double limit_m2, Bvh::NearCandidate candidate,
                    WalkCost& cost) {
-  Waiting stack[kStackSize];
-  HWY_ALIGN float distance[kWidth];
-  int size = 0;
-  float limit = point.local_limit(limit_m2);
-  stack[size++] = {layout.root, 0};
-  while (size > 0) {
-    const Waiting top = stack[--size];
-    if (top.entry > limit) continue;
-    if (is_leaf(top.ref)) {
-      ++cost.candidates;
-      limit_m2 = candidate(top.ref & kIndexMask, limit_m2);
-      if (!(limit_m2 >= 0)) return;
-      limit = point.local_limit(limit_m2);
-      continue;
-    }
-    ++cost.nodes;
-    const Node& node = layout.nodes[top.ref];
-    unsigned mask = 0;
-    for (int first = 0; first < kWidth; first += kLanes) {
-      mask |= within(child_boxes(node, first), point, limit, distance + first) << first;
-    }
-    size = push_sorted(node, mask, distance, stack, size);
-  }
+  walk_nearest_first(layout, point, limit_m2, NearBoxes{candidate}, cost);
 }
 
 }  // namespace collided::engine::bvh::HWY_NAMESPACE

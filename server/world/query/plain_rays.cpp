@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <array>
-#include <limits>
+#include <cmath>
 
+#include "idl/question_rules.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/query/question_shapes.hpp"
 #include "server/world/query/ray_answer.hpp"
+#include "server/world/query/scene_walk.hpp"
 
 namespace collided::engine {
 namespace {
@@ -22,95 +24,66 @@ bool precedes_in_answer(const Snapshot& snapshot, const StaticScene& a_scene, st
   return objects[slot_of(a_object)]->name < objects[slot_of(b_object)]->name;
 }
 
-/// Takes the candidates of one scene's walk.
-struct PlainCandidate {
+/// A plain ray's part of the walk.
+struct PlainWalker {
   // Without values of their own: a group's would be written twice.
   PlainRay* of;
-  const StaticScene* scene;
   const Snapshot* snapshot;
   bool any;
   bool with_hits;
 
-  double operator()(std::uint32_t triangle, const Triangle& corners, double) const {
-    PlainRay& ray = *of;
-    if (ray.met != kNoTriangle) return compare_with_best(triangle, corners);
-    if (is_met(corners, ray.hit)) keep(triangle);
-    return ray.limit;
+  const Ray& ray() const { return of->ray; }
+  double limit() const { return of->limit; }
+  WalkCost& cost() const { return of->walk; }
+  Bvh::RayGoal goal(std::size_t) const { return any ? Bvh::RayGoal::any : Bvh::RayGoal::nearest; }
+  bool wants_hits() const { return with_hits; }
+  double offer(const StaticScene& scene, std::uint32_t triangle, const Triangle& corners) const {
+    if (of->met != kNoTriangle) return compare_with_best(scene, triangle, corners);
+    if (is_met(corners, of->hit)) keep(scene, triangle);
+    return of->limit;
   }
-  /// The same where there is one already. Apart from it, since most rays have one candidate.
-  [[gnu::noinline]] double compare_with_best(std::uint32_t triangle, const Triangle& corners) const {
-    PlainRay& ray = *of;
-    // A clipped split tells a triangle twice, and then it would tie with itself.
-    if (ray.met == triangle && ray.scene == scene) return ray.limit;
+  void take(const StaticScene& scene, std::uint32_t triangle) const {
+    of->met = triangle;
+    of->scene = &scene;
+    of->limit = -1;
+  }
+
+ private:
+  /// Where there is a hit already. Apart from it, since most rays have one candidate.
+  [[gnu::noinline]] double compare_with_best(const StaticScene& scene, std::uint32_t triangle,
+                                             const Triangle& corners) const {
+    // A clipped split offers a triangle twice, and then it would tie with itself.
+    if (of->met == triangle && of->scene == &scene) return of->limit;
     RayHit next;
-    if (!is_met(corners, next) || !is_nearer(next, triangle, corners)) return ray.limit;
-    ray.hit = next;
-    keep(triangle);
-    return ray.limit;
+    if (!is_met(corners, next) || !is_nearer(next, scene, triangle, corners)) return of->limit;
+    of->hit = next;
+    keep(scene, triangle);
+    return of->limit;
   }
   bool is_met(const Triangle& corners, RayHit& hit) const {
-    PlainRay& ray = *of;
-    const ExactResult verdict = cast_ray(ray.ray, corners, hit);
-    ++ray.exact_tests;
-    ray.level = std::max(ray.level, verdict.level);
-    ray.is_undecided = ray.is_undecided || verdict.decision == Decision::undecided;
+    const ExactResult verdict = cast_ray(of->ray, corners, hit);
+    ++of->exact_tests;
+    of->level = std::max(of->level, verdict.level);
+    of->is_undecided = of->is_undecided || verdict.decision == Decision::undecided;
     return verdict.yes();
   }
   /// Takes the triangle of the ray's hit.
-  void keep(std::uint32_t triangle) const {
-    PlainRay& ray = *of;
-    ray.met = triangle;
-    ray.scene = scene;
-    if (any) {
-      ray.limit = -1;
-      return;
-    }
-    const double direction_m = length_of_direction(&ray.ray.direction[0]);
-    const double reach = (ray.hit.distance_m + ray.hit.distance_error_m) / direction_m * (1 + kFewSlack);
-    if (reach < ray.limit) ray.limit = reach;
-  }
-  /// Intervals that do not overlap decide; else the two triangles are compared exactly.
-  bool is_nearer(const RayHit& hit, std::uint32_t triangle, const Triangle& corners) const {
-    const RayHit& best = of->hit;
-    if (hit.distance_m + hit.distance_error_m < best.distance_m - best.distance_error_m) return true;
-    if (best.distance_m + best.distance_error_m < hit.distance_m - hit.distance_error_m) return false;
-    const int order = compare_hits(of->ray, corners, of->scene->mesh.triangle(of->met));
-    return order != 0 ? order < 0 : precedes_in_answer(*snapshot, *scene, triangle, *of->scene, of->met);
-  }
-  /// Takes the triangle that a walk for any hit ended at, unless it was offered as a candidate already. It is surely met,
-  /// so that only what a hit tells is left to be worked out.
-  void meet(std::uint32_t triangle, const Triangle& corners) const {
-    if (triangle == Bvh::kNoTriangle || of->limit < 0) return;
-    if (with_hits) {
-      (*this)(triangle, corners, of->limit);
-      return;
-    }
+  void keep(const StaticScene& scene, std::uint32_t triangle) const {
+    if (any) return take(scene, triangle);
     of->met = triangle;
-    of->scene = scene;
-    of->limit = -1;
+    of->scene = &scene;
+    of->limit = std::min(of->limit, reach_of(of->ray, of->hit, 0));
+  }
+  bool is_nearer(const RayHit& hit, const StaticScene& scene, std::uint32_t triangle, const Triangle& corners) const {
+    const int order = order_of(hit, of->hit.distance_m, of->hit.distance_error_m);
+    if (order != 0) return order < 0;
+    const int exact_order = compare_hits(of->ray, corners, of->scene->mesh.triangle(of->met));
+    return exact_order != 0 ? exact_order < 0 : precedes_in_answer(*snapshot, scene, triangle, *of->scene, of->met);
   }
 };
 
-/// Walks the rays through one scene together.
-void walk_scene_of_plain(const Snapshot& snapshot, const StaticScene& scene, const Questions& asked,
-                         std::span<PlainRay*> rays, std::span<Bvh::RayTask> tasks) {
-  std::array<PlainCandidate, kPlainRaysAtOnce> candidates;
-  const bool any = asked.mode == HitMode::any;
-  std::size_t count = 0;
-  for (PlainRay* ray : rays) {
-    if (ray->limit < 0) continue;
-    candidates[count] = {ray, &scene, &snapshot, any, asked.with_hits};
-    Bvh::RayTask& task = tasks[count];
-    task.ray = &ray->ray;
-    task.limit = ray->limit;
-    task.candidate = candidates[count];
-    task.cost = &ray->walk;
-    task.met = Bvh::kNoTriangle;
-    ++count;
-  }
-  scene.tree.walk_rays(tasks.first(count), scene.mesh, any ? Bvh::RayGoal::any : Bvh::RayGoal::nearest);
-  if (!any) return;
-  for (std::size_t i = 0; i < count; ++i) candidates[i].meet(tasks[i].met, tasks[i].corners);
+inline PlainWalker walker_of(PlainRay& ray, const Snapshot& snapshot, const Questions& asked) {
+  return {&ray, &snapshot, asked.mode == HitMode::any, asked.with_hits};
 }
 
 /// Converted where the answer keeps it, a hit is made there: a copy of one made elsewhere waits until its numbers have
@@ -137,26 +110,13 @@ inline void append_hit(const Snapshot& snapshot, const PlainRay& ray, Answers& a
   answers.oldest_pose_ns = answers.oldest_pose_ns < 0 ? posed_ns : std::min(answers.oldest_pose_ns, posed_ns);
 }
 
-/// Walks one scene.
-inline void walk_scene(const Snapshot& snapshot, const StaticScene& scene, const Questions& asked, PlainRay& ray) {
-  const bool any = asked.mode == HitMode::any;
-  const PlainCandidate candidate{&ray, &scene, &snapshot, any, asked.with_hits};
-  if (!any) return scene.tree.walk_ray_nearest(ray.ray, ray.limit, scene.mesh, candidate, ray.walk);
-  Triangle corners;
-  candidate.meet(scene.tree.meet_ray(ray.ray, ray.limit, scene.mesh, candidate, ray.walk, corners), corners);
-}
-
-[[gnu::noinline]] void walk_many(const Snapshot& snapshot, const Questions& asked, PlainRay& ray) {
-  snapshot.scenes.walk_ray(ray.ray, ray.limit, ray.walk, [&](std::size_t index) {
-    walk_scene(snapshot, *snapshot.scenes[index], asked, ray);
-    return ray.limit;
-  });
-}
+[[gnu::noinline]] void walk_many(const PlainWalker& walker, const SceneList& scenes) { walk_scenes(walker, scenes); }
 
 inline void walk(const Snapshot& snapshot, const Questions& asked, PlainRay& ray) {
-  if (snapshot.scenes.are_many()) return walk_many(snapshot, asked, ray);
+  const PlainWalker walker = walker_of(ray, snapshot, asked);
+  if (snapshot.scenes.are_many()) return walk_many(walker, snapshot.scenes);
   for (const auto& scene : snapshot.scenes) {
-    walk_scene(snapshot, *scene, asked, ray);
+    walk_scene(walker, *scene, walker.goal(0));
     if (ray.limit < 0) return;
   }
 }
@@ -174,18 +134,29 @@ inline bool reaches(const Snapshot& snapshot, const std::vector<std::uint8_t>& a
   return reaches;
 }
 
+[[gnu::noinline]] bool keeps_rules_one_by_one(const double* ray) {
+  return wire_contract::keeps_rules<wire_contract::kRayFields>(ray);
+}
+
+/// The rules number by number cost more than a node of the tree. Magnitudes whose sum is within the limit are within it,
+/// and a larger sum says nothing yet.
+[[gnu::always_inline]] inline bool keeps_ray_rules(const double* numbers) {
+  const double direction = std::abs(numbers[3]) + std::abs(numbers[4]) + std::abs(numbers[5]);
+  const double sum = std::abs(numbers[0]) + std::abs(numbers[1]) + std::abs(numbers[2]) + direction;
+  const bool is_usual = direction > 0 && sum <= wire_contract::kMostCoordinate && numbers[6] >= 0;
+  return is_usual || keeps_rules_one_by_one(numbers);
+}
+
 inline bool start(const double* numbers, PlainRay& ray) {
-  constexpr double kNoEnd = std::numeric_limits<double>::infinity();
-  const double length_m = numbers[6];
+  if (!keeps_ray_rules(numbers)) return false;
   ray.ray = ray_of(numbers);
-  ray.limit = length_m == kNoEnd ? length_m : length_m / length_of_direction(numbers + 3) * (1 + kFewSlack);
+  ray.limit = limit_of(ray.ray);
   ray.walk = {};
   ray.exact_tests = 0;
   ray.level = Level::filter;
   ray.is_undecided = false;
   ray.met = kNoTriangle;
-  // A length divided by a denormal direction may overflow.
-  return length_m == kNoEnd || ray.limit <= std::numeric_limits<double>::max();
+  return is_limit_known(ray.ray, ray.limit);
 }
 
 /// A miss needs every test to have said no; where any hit will do, one that is certain is enough.
@@ -208,11 +179,9 @@ inline void write(const Snapshot& snapshot, const Questions& asked, const PlainR
 
 void walk_plain_rays(const Snapshot& snapshot, const Questions& asked, std::span<PlainRay*> rays,
                      std::span<Bvh::RayTask> tasks) {
-  if (snapshot.scenes.are_many()) {
-    for (PlainRay* ray : rays) walk(snapshot, asked, *ray);
-    return;
-  }
-  for (const auto& scene : snapshot.scenes) walk_scene_of_plain(snapshot, *scene, asked, rays, tasks);
+  std::array<PlainWalker, kRaysAtOnce> walkers;
+  for (std::size_t i = 0; i < rays.size(); ++i) walkers[i] = walker_of(*rays[i], snapshot, asked);
+  walk_scenes_together(std::span<const PlainWalker>(walkers).first(rays.size()), snapshot.scenes, tasks);
 }
 
 bool start_plain_ray(const double* numbers, PlainRay& ray) { return start(numbers, ray); }

@@ -20,13 +20,13 @@ inline bool are_plain_rays(const Snapshot& snapshot, const Questions& asked, con
   return !snapshot.covers || snapshot.is_shard;
 }
 
-/// numbers  as Questions::numbers, already validated
-/// returns  false for a ray whose length is not known in lengths of its direction: that is one for ask_ray
+/// numbers  as Questions::numbers
+/// returns  false for numbers that are no ray, and for a ray whose length is not known in lengths of its direction: those
+///          are for the general way
 bool start_plain_ray(const double* numbers, PlainRay& ray);
-/// Walks up to kPlainRaysAtOnce rays, each scene's walks together.
+/// Walks up to kRaysAtOnce rays (scene_walk.hpp) through each scene together.
 ///
 /// tasks  memory for one a ray
-inline constexpr std::size_t kPlainRaysAtOnce = 64;
 void walk_plain_rays(const Snapshot& snapshot, const Questions& asked, std::span<PlainRay*> rays,
                      std::span<Bvh::RayTask> tasks);
 /// Writes the answer's columns and appends the hit.

@@ -157,6 +157,7 @@ struct QueryScratch {
   std::vector<AnswerHit> found;
   std::vector<std::vector<AnswerHit>> found_by_ray;  // of rays that are walked together
   std::vector<PlainRay> plain_rays;                  // all that are under way at once
+  std::vector<Bvh::RayTask> ray_tasks;               // theirs
 
   const AnswerFilter& filter() const { return filters.current(); }
 };

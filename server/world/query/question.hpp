@@ -74,8 +74,8 @@ struct Question {
 void ask_ray(Question& question, const double* numbers);
 /// Answers the ray with what moves, where the scenes were walked already.
 void ask_ray_of_movers(Question& question, const double* numbers, const PlainRay& after_scenes);
-/// Answers up to kRaysAtOnce rays, walking them through each static scene together; each answer is that of ask_ray.
-inline constexpr std::size_t kRaysAtOnce = 64;
+/// Answers up to kRaysAtOnce rays (scene_walk.hpp), walking them through each static scene together; each answer is that
+/// of ask_ray.
 void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers);
 void ask_sphere(Question& question, const double* numbers);
 void ask_box(Question& question, const double* numbers);

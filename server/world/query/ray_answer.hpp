@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cmath>
+#include <limits>
 
 #include "server/exact_phase/ray/ray_cast.hpp"
 #include "server/geometry/stable_length.hpp"
@@ -17,6 +18,26 @@ inline double length_of_direction(const double* n) {
   if (square > kSmallestPlain && square < kLargestPlain) [[likely]]
     return std::sqrt(square);
   return stable_length(Vec3(n[0], n[1], n[2]));
+}
+
+/// A ray's length in lengths of its direction, rounded up.
+inline double limit_of(const Ray& ray) {
+  if (ray.length_m == std::numeric_limits<double>::infinity()) return ray.length_m;
+  return ray.length_m / length_of_direction(&ray.direction[0]) * (1 + kFewSlack);
+}
+/// False: a length divided by a denormal direction overflowed.
+inline bool is_limit_known(const Ray& ray, double limit) {
+  return ray.length_m == std::numeric_limits<double>::infinity() || limit <= std::numeric_limits<double>::max();
+}
+/// How far along the ray a hit may be nearer than this one by more than slack_m, in lengths of the direction, rounded up.
+inline double reach_of(const Ray& ray, const RayHit& hit, double slack_m) {
+  return (hit.distance_m + hit.distance_error_m - slack_m) / length_of_direction(&ray.direction[0]) * (1 + kFewSlack);
+}
+/// Which of a hit and another place on the ray is nearer, where their intervals do not overlap: -1 the hit, +1 the other;
+/// else 0.
+inline int order_of(const RayHit& hit, double other_m, double other_error_m) {
+  if (hit.distance_m + hit.distance_error_m < other_m - other_error_m) return -1;
+  return other_m + other_error_m < hit.distance_m - hit.distance_error_m ? 1 : 0;
 }
 
 /// Number by number, as they were written just before: a copy in larger pieces waits until those stores have reached the

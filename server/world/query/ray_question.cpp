@@ -16,20 +16,19 @@
 #include "server/world/query/ray_answer.hpp"
 #include "server/world/query/ray_from_inside.hpp"
 #include "server/world/query/ray_in_frame.hpp"
+#include "server/world/query/scene_walk.hpp"
 #include "server/world/query/solid_hits.hpp"
 
 namespace collided::engine {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kLargest = std::numeric_limits<double>::max();
 
 /// A ray's walk through the world. Scenes and movers share the limit, so that a near hit in one saves work in the
 /// others. Distances along the ray are s * |direction|; the walks use s.
 struct RayWalk {
   Question& question;
   Ray ray;
-  double direction_m;       // |direction|, stable_length's
   double limit;             // in s; never below the best hit less half the allowed error; negative: the search is over
   double best_error_m = 0;  // of the best hit before placing: placed parts are compared with each other
   bool best_is_triangle = false;
@@ -38,8 +37,6 @@ struct RayWalk {
 
   RayWalk(Question& of, const double* numbers);
 
-  double rounded_up(double distance_m) const { return distance_m / direction_m * (1 + kFewSlack); }
-  double limit_of(double length_m) const { return length_m == kInfinity ? kInfinity : rounded_up(length_m); }
   bool closest() const { return question.asked.mode == HitMode::closest; }
   bool over() const { return limit < 0; }
 
@@ -68,8 +65,6 @@ struct RayWalk {
   /// A ray that begins in a solid has met it.
   void begin_in(const SolidMesh& solid, const Placed& object);
   void begin_in_scenes();
-  void walk_scene(std::size_t scene);
-  void walk_scenes();
   void walk_object(std::uint32_t slot);
   void finish();
   void walk_movers();
@@ -89,11 +84,11 @@ bool RayWalk::is_nearer(const RayHit& hit, ObjectId object, std::uint32_t triang
   // A ray that begins in a solid, and not on its surface, meets the surface later, though maybe by less than a rounding.
   if ((best.flags & kInside) != 0 && best.object == object && question.object(slot_of(object)).rare->solid)
     return false;
-  if (hit.distance_m + hit.distance_error_m < best.distance_m - best_error_m) return true;
-  if (best.distance_m + best_error_m < hit.distance_m - hit.distance_error_m) return false;
+  const int order = order_of(hit, best.distance_m, best_error_m);
+  if (order != 0) return order < 0;
   if (corners != nullptr && best_is_triangle) {
-    const int order = compare_hits(ray, *corners, best_triangle);
-    if (order != 0) return order < 0;
+    const int exact_order = compare_hits(ray, *corners, best_triangle);
+    if (exact_order != 0) return exact_order < 0;
   } else if (hit.distance_m != best.distance_m) {
     return hit.distance_m < best.distance_m;
   }
@@ -116,8 +111,7 @@ inline bool RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t tria
   best_error_m = hit.distance_error_m;
   best_is_triangle = corners != nullptr;
   if (best_is_triangle) best_triangle = *corners;
-  const double reach = rounded_up(hit.distance_m + hit.distance_error_m - question.slack_m());
-  if (reach < limit) limit = reach;
+  limit = std::min(limit, reach_of(ray, hit, question.slack_m()));
   return true;
 }
 
@@ -161,25 +155,23 @@ void RayWalk::widen(const RayHit& hit, double placing_m, const Triangle* corners
   kept.point_error_m += along_m;
 }
 
-/// Takes the candidates of one static scene's walk.
-struct SceneWalk {
-  RayWalk* walk;
-  const StaticScene* scene;
+/// Its part of the walk through the scenes.
+struct QuestionWalker {
+  RayWalk* of;
 
-  double operator()(std::uint32_t triangle, const Triangle& corners, double) const {
-    const std::uint32_t part = scene->part_of(triangle);
-    const ObjectId object = scene->part_objects[part];
-    if (walk->question.allows(object)) walk->test(corners, object, triangle - scene->parts[part].first_triangle);
-    return walk->limit;
+  const Ray& ray() const { return of->ray; }
+  double limit() const { return of->limit; }
+  WalkCost& cost() const { return of->question.walk; }
+  Bvh::RayGoal goal(std::size_t scene) const { return of->goal(scene); }
+  bool wants_hits() const { return of->question.asked.with_hits; }
+  double offer(const StaticScene& scene, std::uint32_t triangle, const Triangle& corners) const {
+    const std::uint32_t part = scene.part_of(triangle);
+    const ObjectId object = scene.part_objects[part];
+    if (of->question.allows(object)) of->test(corners, object, triangle - scene.parts[part].first_triangle);
+    return of->limit;
   }
-  /// Takes the triangle that meet_ray found; it may have been offered as a candidate already, or be certain without it.
-  void meet(std::uint32_t triangle, const Triangle& corners) const {
-    if (triangle == Bvh::kNoTriangle || walk->over()) return;
-    if (!walk->question.asked.with_hits) {
-      walk->keep({}, scene->part_objects[scene->part_of(triangle)], kNoTriangle, nullptr);
-      return;
-    }
-    (*this)(triangle, corners, walk->limit);
+  void take(const StaticScene& scene, std::uint32_t triangle) const {
+    of->keep({}, scene.part_objects[scene.part_of(triangle)], kNoTriangle, nullptr);
   }
 };
 
@@ -206,28 +198,6 @@ void RayWalk::begin_in_scenes() {
       if (!over()) begin_in(*part.solid, placed);
     });
     return !over();
-  });
-}
-
-void RayWalk::walk_scene(std::size_t index) {
-  const StaticScene& scene = *question.snapshot.scenes[index];
-  const SceneWalk candidate{this, &scene};
-  switch (goal(index)) {
-    case Bvh::RayGoal::every: return scene.tree.walk_ray(ray, limit, 0, scene.mesh, candidate, question.walk);
-    case Bvh::RayGoal::nearest: return scene.tree.walk_ray_nearest(ray, limit, scene.mesh, candidate, question.walk);
-    case Bvh::RayGoal::any: {
-      Triangle corners;
-      const std::uint32_t met = scene.tree.meet_ray(ray, limit, scene.mesh, candidate, question.walk, corners);
-      return candidate.meet(met, corners);
-    }
-  }
-}
-
-void RayWalk::walk_scenes() {
-  if (over()) return;
-  question.snapshot.scenes.walk_ray(ray, limit, question.walk, [&](std::size_t index) {
-    walk_scene(index);
-    return limit;
   });
 }
 
@@ -325,13 +295,10 @@ void finish_all(Question& question) {
 }
 
 inline RayWalk::RayWalk(Question& of, const double* numbers)
-    : question(of), ray(ray_of(numbers)), direction_m(length_of_direction(numbers + 3)), limit(limit_of(numbers[6])) {
+    : question(of), ray(ray_of(numbers)), limit(limit_of(ray)) {
   question.found.clear();
-  // A length divided by a denormal direction may overflow: then the walk has no limit.
-  if (!(limit <= kLargest)) {
-    limit = kInfinity;
-    is_length_known = numbers[6] == kInfinity;
-  }
+  is_length_known = is_limit_known(ray, limit);
+  if (!is_length_known) limit = kInfinity;
 }
 
 void RayWalk::walk_movers() {
@@ -373,7 +340,7 @@ inline void RayWalk::finish() {
 void ask_ray(Question& question, const double* n) {
   RayWalk walk(question, n);
   walk.begin_in_scenes();
-  walk.walk_scenes();
+  walk_scenes(QuestionWalker{&walk}, question.snapshot.scenes);
   walk.finish();
 }
 
@@ -383,45 +350,18 @@ void ask_ray_of_movers(Question& question, const double* n, const PlainRay& afte
   walk.finish();
 }
 
-namespace {
-
-/// Walks the rays through one scene together, except for those with a goal of their own.
-void walk_scene_together(std::span<std::optional<RayWalk>> walks, std::size_t index) {
-  std::array<SceneWalk, kRaysAtOnce> candidates;
-  std::array<Bvh::RayTask, kRaysAtOnce> tasks;
-  const StaticScene& scene = *walks.front()->question.snapshot.scenes[index];
-  const Bvh::RayGoal goal = walks.front()->goal(index);
-  std::size_t count = 0;
-  for (std::optional<RayWalk>& walk : walks) {
-    if (walk->over()) continue;
-    if (walk->goal(index) != goal) {
-      walk->walk_scene(index);
-      continue;
-    }
-    candidates[count] = {&*walk, &scene};
-    Bvh::RayTask& task = tasks[count];
-    task.ray = &walk->ray;
-    task.limit = walk->limit;
-    task.candidate = candidates[count];
-    task.cost = &walk->question.walk;
-    ++count;
-  }
-  scene.tree.walk_rays(std::span(tasks).first(count), scene.mesh, goal);
-  for (std::size_t i = 0; i < count; ++i) candidates[i].meet(tasks[i].met, tasks[i].corners);
-}
-
-}  // namespace
-
 void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers) {
-  std::array<std::optional<RayWalk>, kRaysAtOnce> memory;
-  const std::span walks = std::span(memory).first(questions.size());
-  for (std::size_t i = 0; i < questions.size(); ++i) walks[i].emplace(*questions[i], numbers[i]).begin_in_scenes();
-  const SceneList& scenes = questions.front()->snapshot.scenes;
-  for (std::size_t scene = 0; scene < scenes.size() && !scenes.are_many(); ++scene) walk_scene_together(walks, scene);
-  for (std::optional<RayWalk>& walk : walks) {
-    if (scenes.are_many()) walk->walk_scenes();
+  std::array<std::optional<RayWalk>, kRaysAtOnce> walks;
+  std::array<QuestionWalker, kRaysAtOnce> walkers;
+  std::array<Bvh::RayTask, kRaysAtOnce> tasks;
+  const std::size_t count = questions.size();
+  for (std::size_t i = 0; i < count; ++i) {
+    walks[i].emplace(*questions[i], numbers[i]).begin_in_scenes();
+    walkers[i].of = &*walks[i];
   }
-  for (std::optional<RayWalk>& walk : walks) walk->finish();
+  walk_scenes_together(std::span<const QuestionWalker>(walkers).first(count), questions.front()->snapshot.scenes,
+                       tasks);
+  for (std::size_t i = 0; i < count; ++i) walks[i]->finish();
 }
 
 }  // namespace collided::engine
