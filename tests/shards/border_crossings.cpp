@@ -1,11 +1,13 @@
 // Objects go to and fro across the borders of four shards, and the same ones in one server that holds everything:
-//   border_crossings SERVER CROSSINGS [SEED [SPLITS [KILLS]]]
+//   border_crossings SERVER CROSSINGS [SEED [SPLITS [KILLS [CUTS]]]]
 // Two publishers with instants of their own tell both worlds the same poses at the same times. What a watch of the shards
 // tells must be what a watch of the one server tells: for each pair the same events in the same order at the same times.
 // With one split a shard is split on the way, with two one of those in its place later, at the second attempt; and rays are
 // asked of both worlds all the while, whose answers about a settled instant must be the same.
 // KILLS: so often a shard's primary is killed amid the crossings, and its standby takes its place. The publishers, the watch
 // and a client that asks go on; no answer may be wrong, and none undecided once the standby is there.
+// CUTS: other than 0, the shards get each motion in two pieces of the same way, cut at a random instant. A way with more
+// poses is the same way, so that the events are the same and their brackets share a time.
 // Prints the figures, and exits 1 where an event was lost, told twice, told otherwise or out of order.
 
 #include <algorithm>
@@ -46,6 +48,8 @@ constexpr auto kPatience = 60s;
 constexpr auto kTick = 15ms;
 constexpr int kMostShown = 10;
 constexpr std::int64_t kCrossingsInRound = 10'000;
+// Beyond a publisher's gap (1.5 s by default) an object does not go straight.
+constexpr auto kLongestCut = 1s;
 // While a shard is being replaced, frames come as from a publisher of 200 a second.
 constexpr auto kFrame = 5ms;
 constexpr auto kReplacing = 600ms;
@@ -122,8 +126,8 @@ struct Walker {
 
 class BorderCrossings {
  public:
-  BorderCrossings(std::string server, std::uint64_t seed, int kills)
-      : server_(std::move(server)), random_(seed), domain_(own_domain()), kills_(kills) {
+  BorderCrossings(std::string server, std::uint64_t seed, int kills, bool cuts)
+      : server_(std::move(server)), random_(seed), domain_(own_domain()), kills_(kills), cuts_(cuts) {
     const std::string file = write(kMap, "map.json");
     std::ofstream(folder_.path() + "/floor.obj") << kFloor;
     whole_server_ = start({"--namespace", "whole"});
@@ -157,16 +161,19 @@ class BorderCrossings {
     }
     const double seconds = std::chrono::duration<double>(SteadyClock::now() - started).count();
     std::printf(
-        "crossings=%lld ticks=%lld events=%zu lost=%d extra=%d differing=%d out_of_order=%d at_another_step=%d "
+        "crossings=%lld ticks=%lld cuts=%lld events=%zu lost=%d extra=%d differing=%d out_of_order=%d "
+        "at_another_step=%d "
         "gaps=%llu copies=%zu of %d kills=%d crossed_then=%lld asked=%d undecided=%d unanswered=%d wrong=%d in %.1f "
         "s\n",
-        static_cast<long long>(crossings_), static_cast<long long>(ticks_), whole_count_, lost_, extra_, differing_,
-        out_of_order_, at_another_step_, static_cast<unsigned long long>(sharded_watch_->gaps()),
+        static_cast<long long>(crossings_), static_cast<long long>(ticks_), static_cast<long long>(cut_count_),
+        whole_count_, lost_, extra_, differing_, out_of_order_, at_another_step_,
+        static_cast<unsigned long long>(sharded_watch_->gaps()),
         sources_[0].sharded->copies() + sources_[1].sharded->copies(), 2 * kObjects, killed_,
         static_cast<long long>(crossed_amid_kills_), asked_, undecided_, unanswered_, wrong_, seconds);
     if (splits > 0)
       std::printf("splits=%d rays=%d hit=%d undecided=%d differing=%d\n", splits, ray_count_, hit_count_,
                   undecided_count_, differing_answers_);
+    faults_ += static_cast<int>(cuts_ && cut_count_ == 0);
     faults_ += differing_answers_ + static_cast<int>(splits > 0 && sharded_watch_->gaps() > 0);
     return wrong_ + faults_ + lost_ + extra_ + differing_ + out_of_order_;
   }
@@ -301,8 +308,14 @@ class BorderCrossings {
 
   static Pose pose_of(const Walker& walker) { return {.position = walker.position, .rotation = walker.rotation}; }
 
+  static nanoseconds next_instant(const Source& source) { return std::max(wire_now(), source.instant + 1ms); }
+
   void flush(Source& source) {
-    source.instant = std::max(wire_now(), source.instant + 1ms);
+    source.instant = next_instant(source);
+    flush_both(source);
+  }
+
+  static void flush_both(Source& source) {
     value_of(source.whole->flush(source.instant), "flush");
     value_of(source.sharded->flush(source.instant), "flush");
   }
@@ -418,16 +431,35 @@ class BorderCrossings {
   }
 
   void tick(Source& source, bool rests = false) {
+    std::vector<std::pair<const Walker*, Pose>> went;  // from where
     for (Walker& walker : source.walkers) {
       // Some rest for a while, as things do.
       if (rests || random_() % 8 == 0) continue;
       const std::size_t before = owner(walker);
+      went.emplace_back(&walker, pose_of(walker));
       walker.go(random_);
       crossings_ += owner(walker) != before ? 1 : 0;
       value_of(source.whole->move(walker.whole, pose_of(walker)), "move");
-      value_of(source.sharded->move(walker.sharded, pose_of(walker)), "move");
     }
-    flush(source);
+    const nanoseconds from = source.instant;
+    source.instant = next_instant(source);
+    if (cuts_ && !rests && source.instant - from < kLongestCut) go_part_of_the_way(source, went, from);
+    for (const auto& [walker, before] : went) value_of(source.sharded->move(walker->sharded, pose_of(*walker)), "move");
+    flush_both(source);
+  }
+
+  void go_part_of_the_way(Source& source, const std::vector<std::pair<const Walker*, Pose>>& went, nanoseconds from) {
+    const auto whole_ns = static_cast<double>((source.instant - from).count());
+    const nanoseconds cut(std::uniform_int_distribution<std::int64_t>(1, (source.instant - from).count() - 1)(random_));
+    const double share = static_cast<double>(cut.count()) / whole_ns;
+    for (const auto& [walker, before] : went) {
+      const Vec3 way = walker->position - before.position;
+      const Pose there{.position = before.position + share * way,
+                       .rotation = before.rotation.slerp(share, walker->rotation)};
+      value_of(source.sharded->move(walker->sharded, there), "move");
+    }
+    value_of(source.sharded->flush(from + cut), "flush");
+    ++cut_count_;
   }
 
   std::size_t owner(const Walker& walker) const {
@@ -534,6 +566,7 @@ class BorderCrossings {
   std::mt19937_64 random_;
   const int domain_;
   const int kills_;
+  const bool cuts_;
   const shards::ShardMap map_ = shards::ShardMap::parse(kMap);
   ScratchFolder folder_;
   std::unique_ptr<ChildProcess> whole_server_;
@@ -550,6 +583,7 @@ class BorderCrossings {
   std::int64_t crossings_ = 0;
   std::int64_t ticks_ = 0;
   nanoseconds newest_{0};
+  std::int64_t cut_count_ = 0;
   int killed_ = 0;
   std::int64_t crossed_amid_kills_ = 0;
   int asked_ = 0;
@@ -573,13 +607,13 @@ class BorderCrossings {
 
 int main(int count, char** words) {
   if (count < 3) {
-    std::fprintf(stderr, "usage: border_crossings SERVER CROSSINGS [SEED [SPLITS [KILLS]]]\n");
+    std::fprintf(stderr, "usage: border_crossings SERVER CROSSINGS [SEED [SPLITS [KILLS [CUTS]]]]\n");
     return 2;
   }
   const std::uint64_t seed = count > 3 ? std::strtoull(words[3], nullptr, 10) : 28;
   std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
   const int splits = count > 4 ? std::atoi(words[4]) : 0;
   const int kills = count > 5 ? std::atoi(words[5]) : 0;
-  collided::testing_support::BorderCrossings crossings(words[1], seed, kills);
+  collided::testing_support::BorderCrossings crossings(words[1], seed, kills, count > 6 && std::atoi(words[6]) != 0);
   return crossings.run(std::strtoll(words[2], nullptr, 10), splits) == 0 ? 0 : 1;
 }

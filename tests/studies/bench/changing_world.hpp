@@ -21,17 +21,17 @@ class ChangingWorld {
   explicit ChangingWorld(std::size_t most) : world_({.max_objects = static_cast<std::uint32_t>(most)}) {}
 
  protected:
-  void define(const std::string& name, const Primitive& shape, const Vec3& at) {
+  void define(const std::string& name, const Primitive& shape, const Vec3& at, std::uint64_t publisher = 1) {
     ObjectDefinition definition{.name = name, .scene = "", .shape = {}, .pose = {}, .filter = {}};
     definition.shape.primitives = {shape};
     definition.pose.position = at;
-    definition.publisher = 1;
+    definition.publisher = publisher;
     poses_.push_back(definition.pose);
     ids_.push_back(std::get<ObjectId>(world_.define(definition)));
   }
-  void step() {
-    time_ns_ += 10'000'000;
-    world_.advance(1, time_ns_);
+  void step(std::uint64_t publishers = 1) {
+    time_ns_ += kPeriodNs;
+    for (std::uint64_t publisher = 1; publisher <= publishers; ++publisher) world_.advance(publisher, time_ns_);
     if (!world_.step(time_ns_, 1, {})) std::abort();
   }
   template <class Work>
@@ -40,6 +40,8 @@ class ChangingWorld {
     work();
     return thread_seconds() - started;
   }
+
+  static constexpr std::int64_t kPeriodNs = 10'000'000;  // 100 Hz
 
   World world_;
   std::vector<ObjectId> ids_;
@@ -129,7 +131,7 @@ class BoxPile : public ChangingWorld {
   double move_one() {
     poses_[0].position.x() += 0.001;
     return seconds_of([&] {
-      if (!world_.move(ids_[0], poses_[0], time_ns_ + 10'000'000, false)) std::abort();
+      if (!world_.move(ids_[0], poses_[0], time_ns_ + kPeriodNs, false)) std::abort();
       step();
     });
   }

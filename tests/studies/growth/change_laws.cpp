@@ -1,7 +1,7 @@
 #include <cstdio>
 #include <functional>
 
-#include "tests/studies/bench/changing_world.hpp"
+#include "tests/studies/bench/asked_world.hpp"
 #include "tests/studies/growth/engine_laws.hpp"
 
 namespace collided::growth {
@@ -34,6 +34,11 @@ std::vector<Law> change_laws(const GrowthSetting& setting) {
        .theory = {0},
        .reason = "a sixteenth of the index is copied as boxes; they are larger than the caches"},
       {.knob = "objects", .what = "one leaves: step and next ray", .unit = "us", .theory = {0}, .reason = kCaches},
+      {.knob = "scenes",
+       .what = "ray, nearest hit, one density",
+       .unit = "us",
+       .theory = {0},
+       .reason = "trees of more than some 1,000 scenes are larger than the caches"},
       {.knob = "pile", .what = "one of them moves: step", .unit = "us", .theory = {1}}};
   for (const double size : half_decades(1'000, setting.quick ? 10'000 : 1e6)) {
     bench::JoiningCrowd crowd(static_cast<std::size_t>(size), std::mt19937_64(setting.seed));
@@ -44,9 +49,22 @@ std::vector<Law> change_laws(const GrowthSetting& setting) {
     std::printf("%.0f objects\n", size);
     std::fflush(stdout);
   }
+  for (const double size : half_decades(10, setting.quick ? 100 : 10'000)) {
+    std::mt19937_64 random(setting.seed);
+    const double side_m = 4 * std::cbrt(size);
+    bench::ManyScenes scenes(static_cast<std::size_t>(size), side_m, random);
+    const std::vector<double> rays = bench::questions_about(engine::QuestionKind::ray, side_m, kChanges, random);
+    laws[4].samples.push_back(sample_of(size, repeated([&] {
+                                          const double started = bench::thread_seconds();
+                                          scenes.ask({.numbers = rays});
+                                          return (bench::thread_seconds() - started) / kChanges;
+                                        })));
+    std::printf("%.0f scenes\n", size);
+    std::fflush(stdout);
+  }
   for (const double size : half_decades(30, setting.quick ? 300 : 3'000)) {
     bench::BoxPile pile(static_cast<std::size_t>(size), std::mt19937_64(setting.seed));
-    laws[4].samples.push_back(sample_of(size, repeated([&] { return pile.move_one(); })));
+    laws[5].samples.push_back(sample_of(size, repeated([&] { return pile.move_one(); })));
     std::printf("pile of %.0f\n", size);
     std::fflush(stdout);
   }

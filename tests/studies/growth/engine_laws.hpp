@@ -21,7 +21,8 @@ std::vector<Law> triangle_laws(const GrowthSetting& setting);
 std::vector<Law> mover_laws(const GrowthSetting& setting);
 /// Whole steps of balls of which each touches four others on average.
 std::vector<Law> contact_laws(const GrowthSetting& setting);
-/// Small changes of a large world: objects that join and leave, name patterns in turn, one that moves in a pile.
+/// Small changes of a large world: objects that join and leave, name patterns in turn, one that moves in a pile; and
+/// rays among many scenes.
 std::vector<Law> change_laws(const GrowthSetting& setting);
 
 }  // namespace collided::growth

@@ -29,7 +29,7 @@ struct Theory {
 
 /// How one thing grows with one knob.
 struct Law {
-  std::string knob;  // triangles, movers, contacts, objects, pile, clients, subscribers
+  std::string knob;  // triangles, movers, contacts, objects, scenes, pile, clients, subscribers
   std::string what;
   std::string unit;
   Theory theory;

@@ -3,7 +3,7 @@
 # The quick form makes a whole table: each knob is there, each law has theory's exponent beside a fitted one.
 set -euo pipefail
 "${1:?}" growth --quick --no-build --build "${2:?}" --out "${3:?}"
-for knob in triangles movers contacts objects pile clients subscribers; do
+for knob in triangles movers contacts objects scenes pile clients subscribers; do
   grep -qE "^$knob .* \+- .* (constant|n|log n|n log n): [0-9.]+" "$3/growth.txt" || { echo "no law of $knob in growth.txt" >&2; exit 1; }
   grep -q "Growth with $knob" "$3/growth.html" || { echo "no plot of $knob" >&2; exit 1; }
 done
