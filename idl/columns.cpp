@@ -6,7 +6,7 @@
 namespace collided::wire {
 namespace {
 
-using wire_contract::RequestKind;
+using wire_contract::QuestionKind;
 
 constexpr dds_sequence_double Query::*kQuestionSequences[] = {
     &Query::points,     &Query::directions,   &Query::lengths,    &Query::radii,
@@ -14,15 +14,15 @@ constexpr dds_sequence_double Query::*kQuestionSequences[] = {
 
 }  // namespace
 
-Columns<Query> question_columns(RequestKind kind) {
+Columns<Query> question_columns(QuestionKind kind) {
   switch (kind) {
-    case RequestKind::ray: return kRayColumns;
-    case RequestKind::sphere: return kSphereColumns;
-    case RequestKind::box: return kBoxColumns;
-    case RequestKind::near: return kNearColumns;
-    case RequestKind::sweep: return kSweepColumns;
-    case RequestKind::inside: return kInsideColumns;
-    case RequestKind::what_if: return kWhatIfColumns;
+    case QuestionKind::ray: return kRayColumns;
+    case QuestionKind::sphere: return kSphereColumns;
+    case QuestionKind::box: return kBoxColumns;
+    case QuestionKind::near: return kNearColumns;
+    case QuestionKind::sweep: return kSweepColumns;
+    case QuestionKind::inside: return kInsideColumns;
+    case QuestionKind::what_if: return kWhatIfColumns;
     default: return {};
   }
 }
@@ -33,14 +33,14 @@ Columns<Reply> hit_columns(const Reply& reply) {
 }
 
 std::optional<std::uint32_t> question_count(const Query& query) {
-  const Columns<Query> columns = question_columns(static_cast<RequestKind>(query.kind));
+  const Columns<Query> columns = question_columns(static_cast<QuestionKind>(query.kind));
   for (const auto sequence : kQuestionSequences) {
     const bool is_own =
         std::any_of(columns.begin(), columns.end(), [&](const auto& column) { return column.sequence == sequence; });
     if (!is_own && (query.*sequence)._length > 0) return std::nullopt;
   }
   const std::optional<std::uint32_t> rows = row_count(query, columns);
-  if (!rows || query.kind != static_cast<std::uint8_t>(RequestKind::what_if)) return rows;
+  if (!rows || query.kind != static_cast<std::uint8_t>(QuestionKind::what_if)) return rows;
   const std::uint32_t poses = moved_count(query);
   if (poses == 0 || *rows % poses != 0) return std::nullopt;
   return *rows / poses;

@@ -68,7 +68,7 @@ template <class Message>
 using Columns = std::span<const Column<Message>>;
 
 /// The columns of a question of this kind; empty for a command and other kinds that ask nothing about the world.
-Columns<Query> question_columns(wire_contract::RequestKind kind);
+Columns<Query> question_columns(wire_contract::QuestionKind kind);
 /// The columns of a reply's hits: those of sweeps where the reply has any of them filled.
 Columns<Reply> hit_columns(const Reply& reply);
 

@@ -6,12 +6,14 @@
 #include <string>
 #include <string_view>
 
+#include "collided/codes.hpp"
+
 namespace collided::wire_contract {
 
 /// The instant that a question is about: `instant` and `instant_ns` of a Query, and in commands a text: "" for latest,
 /// "settled", "1795348990000000000" (ns since 1970), or "-2000000000" (ns before the server's newest).
 struct AskedInstant {
-  enum class Kind : std::uint8_t { latest, settled, at, back };
+  using Kind = codes::InstantKind;
   Kind kind = Kind::latest;
   std::int64_t ns = 0;  // for `at` and `back`, not negative
 

@@ -8,9 +8,28 @@
 #include <string_view>
 #include <vector>
 
+#include "collided/codes.hpp"
+
 /// Names, codes, limits and times that both sides of the wire share, and the table of topics with their QoS, which
 /// dds.hpp turns into entities.
 namespace collided::wire_contract {
+
+using codes::Doubt;
+using codes::EndReason;
+using codes::EventKind;
+using codes::HitMode;
+using codes::Importance;
+using codes::InstantKind;
+using codes::LostPolicy;
+using codes::MemberRole;
+using codes::ProbeState;
+using codes::PublisherState;
+using codes::QuestionKind;
+using codes::ReplyStatus;
+using codes::ServerState;
+using codes::UndecidedReason;
+using codes::Verdict;
+using codes::name_of;
 
 /// The triangle of a primitive, which has none.
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
@@ -20,70 +39,10 @@ inline constexpr std::uint32_t kWithin = 0xfffffffe;
 /// The last DDS domain. RTPS ports are 7400 + 250 * domain + ...: those of a later domain do not fit into 16 bits.
 inline constexpr int kLastDomain = 230;
 
-/// What a query is. hello: a greeting, answered without a question, so that a client learns that its replies arrive.
-/// near: the nearest points of objects. sweep: a shape that moves from pose to pose. inside: the solids that hold a point.
-/// what_if: some objects thought elsewhere.
-enum class RequestKind : std::uint8_t { hello, ray, sphere, box, near, command, sweep, inside, what_if };
-/// The kind must be one of the above.
-inline const char* name_of(RequestKind kind) {
-  static constexpr const char* kNames[] = {"hello",   "ray",   "sphere", "box",    "near",
-                                           "command", "sweep", "inside", "what-if"};
-  return kNames[static_cast<std::uint8_t>(kind)];
-}
-/// Which hits are wanted: the first one, any one, or all of them. signed_near, of near: of a solid that holds the point
-/// the distance is minus the depth, not 0. verdict, of rays, spheres, boxes and inside: none, only whether there is one.
-enum class HitMode : std::uint8_t { closest, any, all, signed_near, verdict };
-/// How much a question matters while not all can be answered: low ones are refused first, high ones never.
-enum class Importance : std::uint8_t { normal, low, high };
-/// invalid: the question's numbers are none that can be answered.
-enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
-/// Why an answer is undecided. numeric: the arithmetic did not decide. stale_object: an object of a lost publisher may
-/// have moved there. recovering: after a crash objects may be missing. truncated: there was no room for all hits.
-/// deadline: the time was over. not_covered: the question reaches out of the space in which the loaded geometry was
-/// said to be complete.
-enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
-/// refused: the text says why. progress: more replies to the same request follow.
-enum class ReplyStatus : std::uint8_t { ok, refused, progress };
 /// kInside: the ray begins inside the solid, or the point of near or inside is in it or on it. kStale: the object's publisher is
 /// lost and its policy is `freeze`. kByWinding: inside by the winding number of a mesh that does not close; the distance is
 /// that of its surface.
 enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kByWinding = 4 };
-/// persisted: a contact that has begun goes on. contained, emerged: one of the two has come to lie wholly within the
-/// other, a solid, or no longer does.
-enum class EventKind : std::uint8_t { began, persisted, ended, contained, emerged };
-/// Why a contact ended. decided: it was in doubt; where no contact begins at once, the two are apart. crossed, of fences: the
-/// object was in and out again between two poses, and its `began` has the reason too. allowed: the two are allowed to touch
-/// since.
-enum class EndReason : std::uint8_t {
-  none,
-  separated,
-  removed,
-  publisher_lost,
-  teleported,
-  geometry_changed,
-  server_stopping,
-  server_restarted,
-  decided,
-  crossed,
-  fence_removed,
-  allowed
-};
-/// Why it is not known whether two objects touch. Such a pair is reported as one that touches, by `began` and `ended`,
-/// until it is decided: taking it for a contact errs on the safe side. Its depth is 0, with an infinite error bound.
-/// numeric: the test came out undecided; cost_limit: the motion from pose to pose could not be followed to its end;
-/// publisher_lost: one of the two is where its lost publisher said last, and may have gone on.
-enum class Doubt : std::uint8_t { none, numeric, cost_limit, publisher_lost };
-/// recovering: after a crash, publishers and what commands added may not all be back.
-enum class ServerState : std::uint8_t { starting, recovering, ready, stopping };
-/// primary: answers, and publishes events. standby: holds the same world, and waits. replica: holds the same world, and
-/// answers questions in a namespace of its own, replica_namespace().
-enum class MemberRole : std::uint8_t { primary, standby, replica };
-/// silent: alive, but without a new sample. lost: its writers are closed, or their lease has run out. asked: alive, and to
-/// define everything again, once, for a server that has just joined.
-enum class PublisherState : std::uint8_t { alive, silent, lost, asked };
-/// What becomes of a lost publisher's objects. remove: they leave the world. freeze: they stay where they were said to
-/// be last, but stale, since they may have moved on. hold: they stay there as if known.
-enum class LostPolicy : std::uint8_t { remove, freeze, hold };
 /// In a Definition's lost_policy, beside the policy: the object has been elsewhere, and enters this world with the first
 /// instant of its publisher that follows the definition (definitions_through), as of the instant before that.
 inline constexpr std::uint8_t kEntersWithInstant = 0x80;
@@ -98,11 +57,6 @@ inline constexpr std::uint8_t kPosesMerged = 0x80;
 /// kBringsObjects: objects of the publisher that are elsewhere may enter (kEntersWithInstant), so time waits for its instants
 /// while it has none here.
 enum PoseFlags : std::uint8_t { kTeleported = 1, kAllSaid = 2, kStreamed = 4, kMoreFollows = 8, kBringsObjects = 16 };
-/// What a probe reads. absent: its object is not in the world. nothing: there is nothing within reach. gap: a surface
-/// is ahead. touching: a surface is at 0. collision: its origin is behind a surface. deeper: behind it by more than the
-/// probe looks back, so that the clearance is at most what is reported. undecided: the test came out undecided.
-enum class ProbeState : std::uint8_t { absent, nothing, gap, touching, collision, deeper, undecided };
-
 /// Numbers of a question's row, by kind; columns.hpp has their order.
 inline constexpr std::uint32_t kRayNumbers = 7;
 inline constexpr std::uint32_t kSphereNumbers = 4;
@@ -112,17 +66,17 @@ inline constexpr std::uint32_t kSweepNumbers = 14;
 inline constexpr std::uint32_t kInsideNumbers = 3;
 inline constexpr std::uint32_t kPoseNumbers = 7;
 /// The last one of the kinds.
-inline constexpr RequestKind kLastKind = RequestKind::what_if;
+inline constexpr QuestionKind kLastKind = QuestionKind::what_if;
 /// Numbers of a question of this kind; of what-if of each object's pose; 0 for kinds that ask nothing about the world.
-inline constexpr std::uint32_t numbers_of(RequestKind kind) {
+inline constexpr std::uint32_t numbers_of(QuestionKind kind) {
   switch (kind) {
-    case RequestKind::ray: return kRayNumbers;
-    case RequestKind::sphere: return kSphereNumbers;
-    case RequestKind::box: return kBoxNumbers;
-    case RequestKind::near: return kNearNumbers;
-    case RequestKind::sweep: return kSweepNumbers;
-    case RequestKind::inside: return kInsideNumbers;
-    case RequestKind::what_if: return kPoseNumbers;
+    case QuestionKind::ray: return kRayNumbers;
+    case QuestionKind::sphere: return kSphereNumbers;
+    case QuestionKind::box: return kBoxNumbers;
+    case QuestionKind::near: return kNearNumbers;
+    case QuestionKind::sweep: return kSweepNumbers;
+    case QuestionKind::inside: return kInsideNumbers;
+    case QuestionKind::what_if: return kPoseNumbers;
     default: return 0;
   }
 }

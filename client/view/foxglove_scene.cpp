@@ -267,9 +267,8 @@ std::string fence_update(std::span<const draw::FenceOutline> fences, const std::
 }
 
 std::string event_json(const Event& event) {
-  constexpr const char* kNames[] = {"open", "began", "persisted", "ended", "contained", "emerged"};
   return text_of({{"timestamp", time(event.world_time)},
-                  {"what", kNames[static_cast<std::size_t>(event.kind)]},
+                  {"what", name_of(event.kind)},
                   {"a", event.a},
                   {"b", event.b},
                   {"depth", std::isfinite(event.depth_m) ? json(event.depth_m) : json(nullptr)},

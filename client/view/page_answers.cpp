@@ -10,17 +10,6 @@ namespace {
 
 using nlohmann::json;
 
-std::string_view name_of(Verdict verdict) {
-  constexpr std::string_view kNames[] = {"miss", "hit", "undecided", "invalid"};
-  return kNames[static_cast<std::size_t>(verdict)];
-}
-
-std::string_view name_of(UndecidedReason reason) {
-  constexpr std::string_view kNames[] = {"",          "numeric",  "stale_object", "recovering",
-                                         "truncated", "deadline", "not_covered"};
-  return kNames[static_cast<std::size_t>(reason)];
-}
-
 void add_hit(json& text, const Hit& hit) {
   text["object"] = hit.object;
   text["distance"] = number(hit.distance_m);

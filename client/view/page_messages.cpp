@@ -120,23 +120,6 @@ Vec3 middle(const Points& points, PointOf&& point_of) {
   return center.allFinite() ? center : Vec3::Zero();
 }
 
-std::string_view name_of(EventKind what) {
-  constexpr std::string_view kNames[] = {"open", "began", "persisted", "ended", "contained", "emerged"};
-  return kNames[static_cast<std::size_t>(what)];
-}
-
-std::string_view name_of(EndReason why) {
-  constexpr std::string_view kNames[] = {"",           "separated",        "removed",         "publisher_lost",
-                                         "teleported", "geometry_changed", "server_stopping", "server_restarted",
-                                         "decided",    "crossed",          "fence_removed",   "allowed"};
-  return kNames[static_cast<std::size_t>(why)];
-}
-
-std::string_view name_of(Doubt doubt) {
-  constexpr std::string_view kNames[] = {"", "numeric", "cost_limit", "publisher_lost"};
-  return kNames[static_cast<std::size_t>(doubt)];
-}
-
 json event_text(const Event& event) {
   json text{{"what", name_of(event.kind)},
             {"a", event.a},

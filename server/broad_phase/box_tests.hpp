@@ -28,23 +28,18 @@ inline void clip(const Ray& ray, int axis, double low, double high, SlabSpan& sp
     if (o < low || o > high) span.exit = -1;
     return;
   }
-  const double to_near = (d > 0 ? low : high) - o;
-  const double to_far = (d > 0 ? high : low) - o;
-  if (std::isfinite(to_near)) {
-    const double entry = to_near / d;
-    if (std::isfinite(entry)) span.entry = std::max(span.entry, entry - kRelative * std::abs(entry) - kLeast);
-  }
-  if (std::isfinite(to_far)) {
-    const double exit = to_far / d;
-    if (std::isfinite(exit)) span.exit = std::min(span.exit, exit + kRelative * std::abs(exit) + kLeast);
-  }
+  // An infinite difference has no finite quotient either.
+  const double entry = ((d > 0 ? low : high) - o) / d;
+  const double exit = ((d > 0 ? high : low) - o) / d;
+  if (std::isfinite(entry)) span.entry = std::max(span.entry, entry - kRelative * std::abs(entry) - kLeast);
+  if (std::isfinite(exit)) span.exit = std::min(span.exit, exit + kRelative * std::abs(exit) + kLeast);
 }
 
 /// The same of a whole box, within [0, limit]. Box: has low(axis) and high(axis).
 template <class Box>
 SlabSpan clip(const Ray& ray, const Box& box, double limit) {
   SlabSpan span{0, limit};
-  for (int axis = 0; axis < 3; ++axis) clip(ray, axis, box.low(axis), box.high(axis), span);
+  for (int axis = 0; axis < 3 && span.entry <= span.exit; ++axis) clip(ray, axis, box.low(axis), box.high(axis), span);
   return span;
 }
 

@@ -79,7 +79,7 @@ std::vector<std::string> fuzz_seeds() {
   write(writer, Recorded::pose, 2, *batch);
   dds::Sample<wire::Query> query;
   query->client = query->request = query->chunk_count = 1;
-  query->kind = static_cast<std::uint8_t>(wire_contract::RequestKind::ray);
+  query->kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::ray);
   const std::vector<double> ray{0, 0, 5, 0, 0, -1, 10};
   test::put_questions(*query, ray);
   write(writer, Recorded::query, 3, *query);
@@ -88,7 +88,7 @@ std::vector<std::string> fuzz_seeds() {
   reply->version = 4;
   write(writer, Recorded::reply, 4, *reply);
   query->request = 2;
-  query->kind = static_cast<std::uint8_t>(wire_contract::RequestKind::command);
+  query->kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::command);
   static_cast<void>(dds::set_text(query->text, R"({"command":"add","name":"crate"})"));
   write(writer, Recorded::query, 5, *query);
   reply->request = 2;

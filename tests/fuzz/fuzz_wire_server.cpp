@@ -18,7 +18,7 @@ namespace {
 using namespace collided;
 using namespace collided::engine;
 using service::Applied;
-using wire_contract::RequestKind;
+using wire_contract::QuestionKind;
 
 class Side {
  public:
@@ -70,9 +70,9 @@ class Side {
   void ask(std::span<const std::byte> bytes) {
     dds::Sample<wire::Query> query;
     if (!wire::read_cdr(bytes, query) || service::why_refused(*query)) return;
-    const auto kind = static_cast<RequestKind>(query->kind);
+    const auto kind = static_cast<QuestionKind>(query->kind);
     const std::optional<std::uint32_t> count = wire::question_count(*query);
-    if (count.value_or(0) == 0 || kind == RequestKind::sweep) return;
+    if (count.value_or(0) == 0 || kind == QuestionKind::sweep) return;
     // A question may take long where everything is asked of it; many of them teach nothing more.
     if (*count > 4) return;
     std::vector<double> numbers;
@@ -146,10 +146,10 @@ std::vector<std::string> fuzz_seeds() {
   fuzz::append_frame(run, 3, *batch);
   std::string asked = run;
   for (const auto& [kind, values] :
-       std::vector<std::pair<RequestKind, std::vector<double>>>{{RequestKind::ray, {-9, 0, 0, 1, 0, 0, 20}},
-                                                                {RequestKind::sphere, {0, 0, 0, 1}},
-                                                                {RequestKind::box, {0, 0, 0, 1, 1, 1, 1, 0, 0, 0}},
-                                                                {RequestKind::near, {5, 0, 0, 9}}}) {
+       std::vector<std::pair<QuestionKind, std::vector<double>>>{{QuestionKind::ray, {-9, 0, 0, 1, 0, 0, 20}},
+                                                                 {QuestionKind::sphere, {0, 0, 0, 1}},
+                                                                 {QuestionKind::box, {0, 0, 0, 1, 1, 1, 1, 0, 0, 0}},
+                                                                 {QuestionKind::near, {5, 0, 0, 9}}}) {
     dds::Sample<wire::Query> query;
     query->client = query->request = query->chunk_count = 1;
     query->kind = static_cast<std::uint8_t>(kind);

@@ -127,7 +127,7 @@ class RawClient {
         writer_(query_topic_, {.partition = partition}) {}
 
   /// The text of the reply to a request of this kind, or "no reply".
-  std::string ask(wire_contract::RequestKind kind, const std::string& text = {}) {
+  std::string ask(wire_contract::QuestionKind kind, const std::string& text = {}) {
     dds::Sample<wire::Query> query;
     dds::Sample<wire::Reply> reply;
     query->client = kClient;
@@ -164,23 +164,23 @@ class RawClient {
 TEST_F(ServerWithKeys, ACommandInAQuestionsPlaceIsRefused) {
   start_with_keys();
   RawClient client(domain_, folders_.of("planner", {KeyRole::asker}), "ask");
-  EXPECT_EQ(client.ask(wire_contract::RequestKind::hello), "");
-  const std::string listed = client.ask(wire_contract::RequestKind::command, R"({"command":"list"})");
+  EXPECT_EQ(client.ask(wire_contract::QuestionKind::hello), "");
+  const std::string listed = client.ask(wire_contract::QuestionKind::command, R"({"command":"list"})");
   EXPECT_TRUE(says(listed, "warehouse")) << listed;
   for (const char* command : {R"({"command":"clear"})", R"({"command":"upload","file":"x","bytes":1,"checksum":0})",
                               R"({"command":"recording","last_s":0})", R"({"command":"sampled"})"}) {
-    const std::string refused = client.ask(wire_contract::RequestKind::command, command);
+    const std::string refused = client.ask(wire_contract::QuestionKind::command, command);
     EXPECT_TRUE(says(refused, "the keys give no right")) << command << ": " << refused;
   }
-  EXPECT_TRUE(says(client.ask(wire_contract::RequestKind::command, R"({"command":"list"})"), "warehouse"));
+  EXPECT_TRUE(says(client.ask(wire_contract::QuestionKind::command, R"({"command":"list"})"), "warehouse"));
 }
 
 TEST_F(ServerWithKeys, AQuestionInAGreetingsPlaceIsRefused) {
   start_with_keys();
   RawClient client(domain_, folders_.of("screen", {KeyRole::watcher}), "greet");
-  EXPECT_EQ(client.ask(wire_contract::RequestKind::hello), "");
-  EXPECT_TRUE(says(client.ask(wire_contract::RequestKind::ray), "no right to ask questions"));
-  EXPECT_TRUE(says(client.ask(wire_contract::RequestKind::command, R"({"command":"list"})"), "no right to ask"));
+  EXPECT_EQ(client.ask(wire_contract::QuestionKind::hello), "");
+  EXPECT_TRUE(says(client.ask(wire_contract::QuestionKind::ray), "no right to ask questions"));
+  EXPECT_TRUE(says(client.ask(wire_contract::QuestionKind::command, R"({"command":"list"})"), "no right to ask"));
 }
 
 TEST_F(ServerWithKeys, TheVerbMakesFoldersAndPrintsNoKey) {

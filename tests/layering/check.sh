@@ -12,12 +12,12 @@ declare -A may=(
   [server/intake]="server/intake server/geometry idl/scene_generated.h idl/tiles_generated.h idl/unit_quaternion.hpp idl/question_rules.hpp"
   [server/broad_phase]="server/broad_phase server/geometry"
   [server/exact_phase]="server/exact_phase server/geometry"
-  [server/world]="server/world server/exact_phase server/broad_phase server/intake server/geometry idl/glob.hpp idl/clocks.hpp idl/question_rules.hpp"
+  [server/world]="server/world server/exact_phase server/broad_phase server/intake server/geometry collided/codes.hpp idl/glob.hpp idl/clocks.hpp idl/question_rules.hpp"
   [server/vcollide]="server/world server/exact_phase server/broad_phase server/geometry"
   [server/service]="server/service server/world server/exact_phase server/broad_phase server/intake server/geometry idl"
   [server/programs]="server/programs server/world server/exact_phase server/broad_phase server/intake server/geometry"
   [client]="client collided idl"
-  [idl]="idl"
+  [idl]="idl collided/codes.hpp"
 )
 # Which rooms of the same room: an arrow that is not here is not wanted.
 declare -A within=(

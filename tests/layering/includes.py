@@ -19,7 +19,8 @@ NOISE = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'
 # At the beginning of a line stands what a namespace holds, not what a class does.
 TYPE = re.compile(r'^(?:template ?<[^\n]*> ?)?(?:struct|class|enum class|enum|union)[ \t]+(?:alignas\([^)]*\) )?([A-Z]\w*)'
                   r'(?:[ \t]+final)?[ \t]*(?::[^;{]*)?\{', re.M)
-ALIAS = re.compile(r'^using[ \t]+([A-Z]\w*)[ \t]*=', re.M)
+# Codes are generated; what names one for its own namespace is a home of it.
+ALIAS = re.compile(r'^using[ \t]+(?:codes::)?([A-Z]\w*)[ \t]*[=;]', re.M)
 FUNCTION = re.compile(r'^(?!using\b|typedef\b|namespace\b)(?:\[\[\w+\]\] )?\w[\w:<>,*& ]*?[ *&]([a-z]\w{5,})\(', re.M)
 # What a class holds, or names before it is there: a name that is also such a one may mean it.
 NESTED = re.compile(r'^[ \t]+(?:struct|class|enum class|enum|union)[ \t]+([A-Z]\w*)|^[ \t]+using[ \t]+([A-Z]\w*)[ \t]*=|typename ([A-Z]\w*)|class ([A-Z]\w*)[,>]', re.M)

@@ -74,7 +74,7 @@ inline dds::Sample<wire::Query> command(const std::string& text, std::uint64_t r
   dds::Sample<wire::Query> sample;
   sample->client = request == 0 ? 0 : 5;
   sample->request = request;
-  sample->kind = static_cast<std::uint8_t>(wire_contract::RequestKind::command);
+  sample->kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::command);
   sample->chunk_count = 1;
   EXPECT_TRUE(dds::set_text(sample->text, text));
   return sample;

@@ -126,7 +126,7 @@ TEST_F(ServerDoctor, ItsRoundTripsAreGreetings) {
           const std::lock_guard lock(mutex);
           ++heard;
           turns.insert(query->request / kTurn);
-          const bool is_greeting = query->kind == static_cast<std::uint8_t>(wire_contract::RequestKind::hello);
+          const bool is_greeting = query->kind == static_cast<std::uint8_t>(wire_contract::QuestionKind::hello);
           if (!is_greeting || query->chunk_count != 1 || query->chunk_index != 0 || query->points._length != 0) {
             unlike.insert("kind " + std::to_string(query->kind) + ", chunk " + std::to_string(query->chunk_index) +
                           " of " + std::to_string(query->chunk_count) + ", points " +
@@ -142,9 +142,9 @@ TEST_F(ServerDoctor, ItsRoundTripsAreGreetings) {
   })) << heard
       << " heard";
   const std::lock_guard lock(mutex);
-  EXPECT_EQ(unlike,
-            std::multiset<std::string>{"kind " + std::to_string(static_cast<int>(wire_contract::RequestKind::command)) +
-                                       ", chunk 0 of 1, points 0"})
+  EXPECT_EQ(unlike, std::multiset<std::string>{"kind " +
+                                               std::to_string(static_cast<int>(wire_contract::QuestionKind::command)) +
+                                               ", chunk 0 of 1, points 0"})
       << "only the server's figures are asked for beside them, once";
 }
 

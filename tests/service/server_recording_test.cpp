@@ -237,7 +237,7 @@ TEST_F(ServerRecording, WhatIsDoneWhileARecordingBeginsIsInItOnce) {
     dds::Sample<wire::Query> query;
     if (message.head.channel != static_cast<std::uint16_t>(recording::Recorded::query) ||
         !wire::read_cdr(message.data, query) ||
-        query->kind != static_cast<std::uint8_t>(wire_contract::RequestKind::command))
+        query->kind != static_cast<std::uint8_t>(wire_contract::QuestionKind::command))
       continue;
     const nlohmann::json text = nlohmann::json::parse(query->text);
     if (text.at("command") == "add") ++adds[text.at("name")];

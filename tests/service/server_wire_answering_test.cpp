@@ -12,7 +12,7 @@ namespace collided::engine::service {
 namespace {
 
 using namespace std::chrono_literals;
-using wire_contract::RequestKind;
+using wire_contract::QuestionKind;
 using wire_contract::UndecidedReason;
 using wire_contract::Verdict;
 
@@ -155,7 +155,7 @@ TEST_F(WireClients, AsksThatWaitAreBoundedInBytes) {
   const auto large = [](std::uint64_t request) {
     auto ask = std::make_unique<Ask>();
     ask->query->request = request;
-    ask->query->kind = static_cast<std::uint8_t>(wire_contract::RequestKind::ray);
+    ask->query->kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::ray);
     ask->taken_ns = steady_ns();
     test::put_questions(*ask->query, std::vector<double>(7 * 16'000));
     return ask;
@@ -262,7 +262,7 @@ class WireAnswering : public testing::Test {
   void hello() {
     for (int i = 0; i < 100; ++i) {
       dds::Sample<wire::Query> query;
-      query->kind = static_cast<std::uint8_t>(RequestKind::hello);
+      query->kind = static_cast<std::uint8_t>(QuestionKind::hello);
       query->client = kClient;
       query->chunk_count = 1;
       query->request = ++request;
@@ -274,7 +274,7 @@ class WireAnswering : public testing::Test {
   const wire::Reply& ask(const std::vector<double>& numbers, double error_m = 0, std::int64_t deadline_ns = 0,
                          wire_contract::HitMode mode = wire_contract::HitMode::closest) {
     dds::Sample<wire::Query> query;
-    query->kind = static_cast<std::uint8_t>(RequestKind::ray);
+    query->kind = static_cast<std::uint8_t>(QuestionKind::ray);
     query->mode = static_cast<std::uint8_t>(mode);
     query->client = kClient;
     query->request = ++request;
@@ -428,7 +428,7 @@ TEST_F(WireAnswering, ATextSaysWhoseItIsAndNothingOfObjects) {
 TEST_F(WireAnswering, WhoDoesNotListenYetIsAnsweredOnceItDoes) {
   answer_with({});
   dds::Sample<wire::Query> early;
-  early->kind = static_cast<std::uint8_t>(RequestKind::hello);
+  early->kind = static_cast<std::uint8_t>(QuestionKind::hello);
   early->client = kClient + 1;
   early->chunk_count = 1;
   early->request = 1'000;
@@ -453,7 +453,7 @@ TEST_F(WireAnswering, WhatWasToldOnceIsNotUnsaidByARequestInChunks) {
   answer_with({});
   const auto send_chunk = [&](std::uint64_t number, std::uint32_t chunk) {
     dds::Sample<wire::Query> query;
-    query->kind = static_cast<std::uint8_t>(RequestKind::ray);
+    query->kind = static_cast<std::uint8_t>(QuestionKind::ray);
     query->client = kClient;
     query->request = number;
     query->chunk_index = chunk;

@@ -16,14 +16,14 @@ namespace {
 using namespace std::chrono_literals;
 using testing_support::WireAsker;
 using wire_contract::Importance;
+using wire_contract::QuestionKind;
 using wire_contract::ReplyStatus;
-using wire_contract::RequestKind;
 
 class ServerWireOverload : public testing_support::ServerProcess {
  protected:
   static dds::Sample<wire::Query> near(const std::vector<double>& numbers, Importance importance) {
     dds::Sample<wire::Query> query;
-    query->kind = static_cast<std::uint8_t>(RequestKind::near);
+    query->kind = static_cast<std::uint8_t>(QuestionKind::near);
     query->importance = static_cast<std::uint8_t>(importance);
     query->mask = 0xffffffff;
     query->max_hits = 1;
@@ -65,7 +65,7 @@ TEST_F(ServerWireOverload, LowQuestionsAreRefusedFirstAndHighOnesNever) {
   EXPECT_TRUE(is(ask(quiet, Importance::high), ReplyStatus::ok));
   EXPECT_TRUE(is(ask(flooder, Importance::high), ReplyStatus::ok)) << "whoever asks";
   dds::Sample<wire::Query> list;
-  list->kind = static_cast<std::uint8_t>(RequestKind::command);
+  list->kind = static_cast<std::uint8_t>(QuestionKind::command);
   ASSERT_TRUE(dds::set_text(list->text, R"({"command": "list"})"));
   EXPECT_TRUE(is(quiet.ask(*list, 20s), ReplyStatus::ok));
   EXPECT_NE(server.errors().find("overloaded: more questions come than can be dealt with; "), std::string::npos)
@@ -86,7 +86,7 @@ TEST_F(ServerWireOverload, MoreRecordingsThanMayWaitAreRefused) {
   std::vector<std::uint64_t> requests;
   for (int i = 0; i < 300; ++i) {
     dds::Sample<wire::Query> recording;
-    recording->kind = static_cast<std::uint8_t>(RequestKind::command);
+    recording->kind = static_cast<std::uint8_t>(QuestionKind::command);
     ASSERT_TRUE(dds::set_text(recording->text, R"({"command": "recording"})"));
     asker.send(*recording);
     requests.push_back(recording->request);
@@ -112,7 +112,7 @@ TEST_F(ServerWireOverload, ARefusedCommandIsAnsweredOnce) {
   ASSERT_TRUE(asker.greet());
   const auto command = [&](const char* text) {
     dds::Sample<wire::Query> query;
-    query->kind = static_cast<std::uint8_t>(RequestKind::command);
+    query->kind = static_cast<std::uint8_t>(QuestionKind::command);
     EXPECT_TRUE(dds::set_text(query->text, text));
     const auto heard = asker.ask(*query, 20s);
     EXPECT_TRUE(heard) << text;
@@ -164,7 +164,7 @@ TEST_F(ServerWireOverload, AFloodOfLargeBatchesIsBoundedInBytes) {
   for (int i = 0; i < 1'000; ++i) many.insert(many.end(), {0.005 * i, 0.5, 5, 0.1, 0.05, -1, 1'000});
   for (int i = 0; i < 12'000; ++i) {
     dds::Sample<wire::Query> query;
-    query->kind = static_cast<std::uint8_t>(RequestKind::ray);
+    query->kind = static_cast<std::uint8_t>(QuestionKind::ray);
     query->mask = 0xffffffff;
     query->max_hits = 8;
     test::put_questions(*query, many);
@@ -193,7 +193,7 @@ TEST_F(ServerWireOverload, AFloodInManyNamesIsBoundedInBytes) {
   std::vector<double> many;
   for (int i = 0; i < 1'000; ++i) many.insert(many.end(), {0.005 * i, 0.5, 5, 0.1, 0.05, -1, 1'000});
   dds::Sample<wire::Query> query;
-  query->kind = static_cast<std::uint8_t>(RequestKind::ray);
+  query->kind = static_cast<std::uint8_t>(QuestionKind::ray);
   query->mask = 0xffffffff;
   query->max_hits = 8;
   query->chunk_count = 1;

@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing_support::WireAsker;
-using wire_contract::RequestKind;
+using wire_contract::QuestionKind;
 
 class ServerWireSharing : public testing_support::ServerProcess {
  protected:
@@ -21,7 +21,7 @@ class ServerWireSharing : public testing_support::ServerProcess {
 
   /// The replies to one message of questions, by their first question.
   using Replies = std::map<std::uint32_t, WireAsker::Heard>;
-  static Replies ask(WireAsker& asker, RequestKind kind, const std::vector<double>& numbers) {
+  static Replies ask(WireAsker& asker, QuestionKind kind, const std::vector<double>& numbers) {
     dds::Sample<wire::Query> query;
     query->kind = static_cast<std::uint8_t>(kind);
     query->mask = 0xffffffff;
@@ -55,14 +55,14 @@ class ServerWireSharing : public testing_support::ServerProcess {
     }
     return all;
   }
-  std::vector<double> questions(RequestKind kind) {
+  std::vector<double> questions(QuestionKind kind) {
     std::uniform_real_distribution<double> x(-9, 9), z(-0.5, 4.5);
     std::vector<double> numbers;
     for (std::size_t i = 0; i < kQuestions; ++i) {
       numbers.insert(numbers.end(), {x(random_), x(random_), z(random_)});
-      if (kind == RequestKind::near) numbers.push_back(3);
-      if (kind == RequestKind::ray) numbers.insert(numbers.end(), {x(random_), x(random_), z(random_), 30});
-      if (kind == RequestKind::box) numbers.insert(numbers.end(), {0.4, 0.5, 0.6, 1, 0, 0, 0});
+      if (kind == QuestionKind::near) numbers.push_back(3);
+      if (kind == QuestionKind::ray) numbers.insert(numbers.end(), {x(random_), x(random_), z(random_), 30});
+      if (kind == QuestionKind::box) numbers.insert(numbers.end(), {0.4, 0.5, 0.6, 1, 0, 0, 0});
     }
     return numbers;
   }
@@ -70,9 +70,10 @@ class ServerWireSharing : public testing_support::ServerProcess {
 };
 
 TEST_F(ServerWireSharing, AnswersAreTheSameToTheBitFromAnyNumberOfThreads) {
-  std::map<RequestKind, std::vector<double>> asked;
-  for (const RequestKind kind : {RequestKind::ray, RequestKind::box, RequestKind::near}) asked[kind] = questions(kind);
-  std::map<RequestKind, WireAsker::Heard> expected;
+  std::map<QuestionKind, std::vector<double>> asked;
+  for (const QuestionKind kind : {QuestionKind::ray, QuestionKind::box, QuestionKind::near})
+    asked[kind] = questions(kind);
+  std::map<QuestionKind, WireAsker::Heard> expected;
   for (const char* threads : {"1", "4"}) {
     start({"--threads", threads});
     WireAsker asker(domain_);
@@ -85,8 +86,8 @@ TEST_F(ServerWireSharing, AnswersAreTheSameToTheBitFromAnyNumberOfThreads) {
       }
       // Who has nothing to do shows a moment after the last answer.
       const bool is_spread = test::eventually([&] { return (replies = ask(asker, kind, numbers)).size() > 1; },
-                                              kind == RequestKind::near ? 20s : 1s);
-      EXPECT_TRUE(is_spread || kind != RequestKind::near) << "a thousand nearest points are worth four threads";
+                                              kind == QuestionKind::near ? 20s : 1s);
+      EXPECT_TRUE(is_spread || kind != QuestionKind::near) << "a thousand nearest points are worth four threads";
       const WireAsker::Heard all = whole(replies);
       EXPECT_EQ(all.answers, expected[kind].answers);
       EXPECT_EQ(all.reasons, expected[kind].reasons);

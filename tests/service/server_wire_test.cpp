@@ -18,8 +18,8 @@ namespace {
 
 using namespace std::chrono_literals;
 using testing_support::WireAsker;
+using wire_contract::QuestionKind;
 using wire_contract::ReplyStatus;
-using wire_contract::RequestKind;
 using wire_contract::Verdict;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
@@ -32,7 +32,7 @@ class ServerWire : public testing_support::ServerProcess {
     asker.emplace(domain_);
     ASSERT_TRUE(asker->greet());
   }
-  static void set(wire::Query& query, RequestKind kind, const std::vector<double>& numbers) {
+  static void set(wire::Query& query, QuestionKind kind, const std::vector<double>& numbers) {
     query.kind = static_cast<std::uint8_t>(kind);
     query.mask = 0xffffffff;
     query.max_hits = 1'000;
@@ -59,7 +59,7 @@ TEST_F(ServerWire, RaysOfTheEmbeddedSceneEqualBruteForce) {
                    {x(random), y(random), z(random), x(random), y(random), z(random), i % 2 ? kInfinity : 0.3});
   }
   dds::Sample<wire::Query> query;
-  set(*query, RequestKind::ray, numbers);
+  set(*query, QuestionKind::ray, numbers);
   const auto reply = asker->ask(*query);
   ASSERT_TRUE(reply);
   ASSERT_EQ(reply->answers.size(), 1'000U) << reply->text;
@@ -87,7 +87,7 @@ TEST_F(ServerWire, InvalidQuestionsDoNotSpoilTheirNeighbours) {
                                     6, 0, 5, 0,         0, 0,  1,         6,    0, 5, 0, 0, -1, -1,
                                     6, 0, 5, kInfinity, 0, 0,  1,         6,    0, 5, 0, 0, -2, kInfinity};
   dds::Sample<wire::Query> query;
-  set(*query, RequestKind::ray, numbers);
+  set(*query, QuestionKind::ray, numbers);
   const auto reply = asker->ask(*query);
   ASSERT_TRUE(reply);
   const auto hit = static_cast<std::uint8_t>(Verdict::hit);
@@ -151,7 +151,7 @@ TEST_F(ServerWire, BadRequestsAreRefusedWithASentence) {
   };
   for (const Bad& bad : all) {
     dds::Sample<wire::Query> query;
-    set(*query, RequestKind::ray, ray);
+    set(*query, QuestionKind::ray, ray);
     bad.spoil(*query);
     const auto reply = asker->ask(*query);
     ASSERT_TRUE(is_refused(reply)) << bad.what;
@@ -160,7 +160,7 @@ TEST_F(ServerWire, BadRequestsAreRefusedWithASentence) {
   const std::size_t count = all.size();
   EXPECT_TRUE(asker->status_becomes([&](const wire::Status& status) { return status.questions_refused == count; }));
   dds::Sample<wire::Query> good;
-  set(*good, RequestKind::ray, ray);
+  set(*good, QuestionKind::ray, ray);
   EXPECT_EQ(asker->ask(*good)->answers, std::vector<std::uint8_t>{static_cast<std::uint8_t>(Verdict::hit)});
 }
 
@@ -170,7 +170,7 @@ TEST_F(ServerWire, LargeAnswersAreSplitAndNothingIsLost) {
   std::vector<double> numbers;
   for (std::size_t i = 0; i < kQuestions; ++i) numbers.insert(numbers.end(), {0, 0, 0, 100});
   dds::Sample<wire::Query> query;
-  set(*query, RequestKind::sphere, numbers);
+  set(*query, QuestionKind::sphere, numbers);
   asker->send(*query);
   std::size_t questions = 0;
   std::size_t hits = 0;
@@ -228,7 +228,7 @@ class HostilePublisher : public ServerWire {
   void expect_ball_at(double z) {
     dds::Sample<wire::Query> query;
     const std::vector<double> ray{6, 0, 5, 0, 0, -1, kInfinity};
-    set(*query, RequestKind::ray, ray);
+    set(*query, QuestionKind::ray, ray);
     const auto reply = asker->ask(*query);
     ASSERT_TRUE(reply);
     EXPECT_NEAR(reply->numbers[0], 5 - z - 0.1, 1e-12);
@@ -303,13 +303,13 @@ TEST_F(ServerWire, NobodyElseAsksUnderAClientsNumber) {
   ASSERT_TRUE(outsider.status_becomes([](const wire::Status&) { return true; }));
   dds::Sample<wire::Query> query;
   const std::vector<double> ray{1e6, 0, 5, 0, 0, -1, 1};
-  set(*query, RequestKind::ray, ray);
+  set(*query, QuestionKind::ray, ray);
   query->request = 77;
   EXPECT_FALSE(outsider.ask(*query, 300ms));
   EXPECT_FALSE(asker->reply_to(77, 300ms));
   const std::vector<double> own{0, 0, 5, 0, 0, -1, kInfinity};
   dds::Sample<wire::Query> next;
-  set(*next, RequestKind::ray, own);
+  set(*next, QuestionKind::ray, own);
   EXPECT_TRUE(asker->ask(*next)) << "the number's owner is answered";
 }
 

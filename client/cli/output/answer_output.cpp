@@ -181,19 +181,6 @@ Exit exit_of(const Answer& answer) {
   return Exit::refused;
 }
 
-std::string_view name_of(UndecidedReason reason) {
-  switch (reason) {
-    case UndecidedReason::none: return "none";
-    case UndecidedReason::numeric: return "numeric";
-    case UndecidedReason::stale_object: return "stale_object";
-    case UndecidedReason::recovering: return "recovering";
-    case UndecidedReason::truncated: return "truncated";
-    case UndecidedReason::not_covered: return "not_covered";
-    case UndecidedReason::deadline: break;
-  }
-  return "deadline";
-}
-
 std::string_view explain(UndecidedReason reason) {
   switch (reason) {
     case UndecidedReason::none: return "the server gave no reason";

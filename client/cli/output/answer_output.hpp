@@ -31,7 +31,6 @@ Exit exit_of(const Answer& answer);
 /// A reason for people, as a sentence.
 std::string_view explain(UndecidedReason reason);
 /// A reason for machines, as a word.
-std::string_view name_of(UndecidedReason reason);
 
 /// What the answer took: "41 us: 7 nodes, 2 exact tests; world 18204, poses 2.1 ms old".
 std::string cost_line(const Answers& answers, const Answer& answer);

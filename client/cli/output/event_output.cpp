@@ -11,18 +11,6 @@
 namespace collided::cli {
 namespace {
 
-std::string_view name_of(EventKind what) {
-  switch (what) {
-    case EventKind::open: return "open";
-    case EventKind::began: return "began";
-    case EventKind::persisted: return "persisted";
-    case EventKind::contained: return "contained";
-    case EventKind::emerged: return "emerged";
-    case EventKind::ended: break;
-  }
-  return "ended";
-}
-
 /// Which of the two, ordered by name, lies within the other; nothing: neither.
 Value contained_value(const Event& event, bool swapped) {
   if (event.contained == Containment::none) return std::monostate{};
@@ -35,34 +23,6 @@ Value triangle_value(std::uint32_t triangle) {
 }
 
 }  // namespace
-
-std::string_view reason_word(EndReason why) {
-  switch (why) {
-    case EndReason::none: return "";
-    case EndReason::separated: return "separated";
-    case EndReason::removed: return "removed";
-    case EndReason::publisher_lost: return "publisher_lost";
-    case EndReason::teleported: return "teleported";
-    case EndReason::geometry_changed: return "geometry_changed";
-    case EndReason::server_stopping: return "server_stopping";
-    case EndReason::decided: return "decided";
-    case EndReason::crossed: return "crossed";
-    case EndReason::allowed: return "allowed";
-    case EndReason::fence_removed: return "fence_removed";
-    case EndReason::server_restarted: break;
-  }
-  return "server_restarted";
-}
-
-std::string_view doubt_word(Doubt doubt) {
-  switch (doubt) {
-    case Doubt::none: return "";
-    case Doubt::numeric: return "numeric";
-    case Doubt::cost_limit: return "cost_limit";
-    case Doubt::publisher_lost: break;
-  }
-  return "publisher_lost";
-}
 
 Record event_record(const Event& event) {
   // The server orders a pair by its numbers for the objects, which differ from run to run; here it is by the names.
@@ -93,8 +53,8 @@ Record event_record(const Event& event) {
           {"a_triangle", triangle_value(swapped ? event.b_triangle : event.a_triangle)},
           {"b_triangle", triangle_value(swapped ? event.a_triangle : event.b_triangle)},
           {"after", event.kind == EventKind::ended ? Value(seconds_of(lasted(event))) : none},
-          {"why", event.reason == EndReason::none ? none : Value(reason_word(event.reason))},
-          {"doubt", is_doubt ? Value(doubt_word(event.doubt)) : none},
+          {"why", event.reason == EndReason::none ? none : Value(name_of(event.reason))},
+          {"doubt", is_doubt ? Value(name_of(event.doubt)) : none},
           {"contained", contained_value(event, swapped)},
           {"resync", event.resync ? Value(true) : none},
           {"poses_merged", event.poses_merged ? Value(true) : none},
@@ -113,7 +73,7 @@ std::string event_line(const Printer& printer, const Event& event) {
   const auto [first, second] = std::minmax(event.a, event.b);
   const std::string pair = fmt::format("{} x {}", printable(first), printable(second));
   const std::string doubt =
-      fmt::format("{}{}", event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", doubt_word(event.doubt)),
+      fmt::format("{}{}", event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", name_of(event.doubt)),
                   event.poses_merged ? "  (poses merged)" : "");
   const std::string inner =
       event.contained == Containment::none
@@ -125,7 +85,7 @@ std::string event_line(const Printer& printer, const Event& event) {
   std::string line =
       fmt::format("{} {}  {}", clock_text(happened(event)), printer.paint(paint, name_of(event.kind)), pair);
   if (event.kind == EventKind::ended)
-    line += fmt::format("  after {}  ({})", format_duration(lasted(event)), reason_word(event.reason));
+    line += fmt::format("  after {}  ({})", format_duration(lasted(event)), name_of(event.reason));
   else if (event.kind == EventKind::emerged)
     line += fmt::format("  {} no longer within", printable(event.contained == Containment::a_in_b ? event.a : event.b));
   else if (event.doubt == Doubt::none)

@@ -9,10 +9,6 @@
 
 namespace collided::cli {
 
-/// The words for why something ended and why it is not known; empty for none.
-std::string_view reason_word(EndReason why);
-std::string_view doubt_word(Doubt doubt);
-
 /// Every field of an event, for machines; fields without meaning for its kind are empty. The pair is in the order of its
 /// names, and its fields with it.
 Record event_record(const Event& event);

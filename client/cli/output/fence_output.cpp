@@ -69,8 +69,8 @@ Record fence_record(const FenceEvent& event) {
           {"object", std::string_view(event.object)},
           {"fence", std::string_view(event.fence)},
           {"after", has_stay ? Value(seconds_of(happened_by(event) - event.entered)) : none},
-          {"why", event.reason == EndReason::none ? none : Value(reason_word(event.reason))},
-          {"doubt", event.doubt == Doubt::none ? none : Value(doubt_word(event.doubt))},
+          {"why", event.reason == EndReason::none ? none : Value(name_of(event.reason))},
+          {"doubt", event.doubt == Doubt::none ? none : Value(name_of(event.doubt))},
           {"resync", event.resync ? Value(true) : none},
           {"poses_merged", event.poses_merged ? Value(true) : none},
           {"first_ns", at(has_bracket, event.bracket_low_s)},
@@ -86,7 +86,7 @@ Record fence_record(const FenceEvent& event) {
 std::vector<std::string> usual_fence_fields() { return {"time", "what", "object", "fence", "after", "why", "doubt"}; }
 
 std::string fence_line(const Printer& printer, const FenceEvent& event) {
-  const std::string doubt = event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", doubt_word(event.doubt));
+  const std::string doubt = event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", name_of(event.doubt));
   if (event.kind == FenceEventKind::inside)
     return fmt::format("inside   {}  {}  since {}{}", printable(event.fence), printable(event.object),
                        clock_text(event.entered), doubt);
@@ -95,8 +95,7 @@ std::string fence_line(const Printer& printer, const FenceEvent& event) {
       fmt::format("{} {}  {}  {}", clock_text(happened_by(event)), printer.paint(paint, fence_word(event.kind)),
                   printable(event.fence), printable(event.object));
   if (event.kind == FenceEventKind::exit)
-    line +=
-        fmt::format("  after {}  ({})", format_duration(happened_by(event) - event.entered), reason_word(event.reason));
+    line += fmt::format("  after {}  ({})", format_duration(happened_by(event) - event.entered), name_of(event.reason));
   if (event.kind == FenceEventKind::cross)
     line += fmt::format("  in for {}", format_duration(happened_by(event) - event.entered));
   line += doubt + fmt::format("  seq {}", event.sequence);

@@ -87,8 +87,8 @@ Record margin_record(const MarginEvent& event) {
           {"contact_in_first", event.contact_in ? Value(event.contact_in->low_s) : none},
           {"contact_in_last", event.contact_in ? Value(event.contact_in->high_s) : none},
           {"after", event.kind == MarginEventKind::leave ? Value(seconds_of(turned_by(event) - event.entered)) : none},
-          {"why", event.reason == EndReason::none ? none : Value(reason_word(event.reason))},
-          {"doubt", event.doubt == Doubt::none ? none : Value(doubt_word(event.doubt))},
+          {"why", event.reason == EndReason::none ? none : Value(name_of(event.reason))},
+          {"doubt", event.doubt == Doubt::none ? none : Value(name_of(event.doubt))},
           {"resync", event.resync ? Value(true) : none},
           {"poses_merged", event.poses_merged ? Value(true) : none},
           {"first_ns", at(event.bracket_low_s)},
@@ -105,7 +105,7 @@ std::vector<std::string> usual_margin_fields() {
 }
 
 std::string margin_line(const Printer& printer, const MarginEvent& event) {
-  const std::string doubt = event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", doubt_word(event.doubt));
+  const std::string doubt = event.doubt == Doubt::none ? "" : fmt::format("  in doubt ({})", name_of(event.doubt));
   const std::string band = event.band_m > 0 ? fmt::format("  {} m", format_number(event.band_m)) : "  contact";
   const std::string who =
       fmt::format("{}  {} x {}", printable(event.margin), printable(event.object), printable(event.around));
@@ -117,7 +117,7 @@ std::string margin_line(const Printer& printer, const MarginEvent& event) {
   if (event.kind != MarginEventKind::contact) line += band;
   if (event.kind == MarginEventKind::leave)
     line += fmt::format("  after {}  ({})", format_duration(turned_by(event) - event.entered),
-                        event.reason == EndReason::fence_removed ? "margin_removed" : reason_word(event.reason));
+                        event.reason == EndReason::fence_removed ? "margin_removed" : name_of(event.reason));
   else line += how_it_goes_on(event);
   line += doubt + fmt::format("  seq {}", event.sequence);
   if (event.resync) line += "  resync";

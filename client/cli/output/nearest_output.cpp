@@ -43,8 +43,8 @@ Record nearest_record(const NearestEvent& event) {
           {"to", text_or_none(event.to)},
           {"distance", has_distance(event) ? Value(event.distance_m) : none},
           {"distance_error", has_distance(event) ? Value(event.distance_error_m) : none},
-          {"why", event.reason == EndReason::none ? none : Value(reason_word(event.reason))},
-          {"doubt", event.doubt == Doubt::none ? none : Value(doubt_word(event.doubt))},
+          {"why", event.reason == EndReason::none ? none : Value(name_of(event.reason))},
+          {"doubt", event.doubt == Doubt::none ? none : Value(name_of(event.doubt))},
           {"resync", event.resync ? Value(true) : none},
           {"poses_merged", event.poses_merged ? Value(true) : none},
           {"first_ns", at(event.bracket_low_s)},
@@ -72,9 +72,9 @@ std::string nearest_line(const Printer& printer, const NearestEvent& event) {
   }
   if (has_distance(event)) line += fmt::format("  {} m", readable_number(event.distance_m, event.distance_error_m));
   if (event.reason != EndReason::none && event.reason != EndReason::separated)
-    line += fmt::format("  ({})",
-                        event.reason == EndReason::fence_removed ? "question_removed" : reason_word(event.reason));
-  if (event.doubt != Doubt::none) line += fmt::format("  in doubt ({})", doubt_word(event.doubt));
+    line +=
+        fmt::format("  ({})", event.reason == EndReason::fence_removed ? "question_removed" : name_of(event.reason));
+  if (event.doubt != Doubt::none) line += fmt::format("  in doubt ({})", name_of(event.doubt));
   line += fmt::format("  seq {}", event.sequence);
   if (event.resync) line += "  resync";
   if (event.poses_merged) line += "  (poses merged)";

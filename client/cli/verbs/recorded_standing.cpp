@@ -47,7 +47,7 @@ std::int64_t before(const OneEvent& event, double seconds) {
 void put_told(json& row, std::int64_t since_ns, Doubt doubt) {
   row["told"] = true;
   row["since_ns"] = since_ns;
-  row["doubt"] = doubt_word(doubt);
+  row["doubt"] = name_of(doubt);
 }
 
 /// Calls visit(row) for every object that the answer tells of.
@@ -76,8 +76,8 @@ json event_row(const FenceEvent& event) {
                    : is_exit ? "exit"
                              : "enter"},
           {"object", event.object},
-          {"why", reason_word(event.reason)},
-          {"doubt", doubt_word(event.doubt)},
+          {"why", name_of(event.reason)},
+          {"doubt", name_of(event.doubt)},
           {"low_ns", before(event, event.bracket_low_s)},
           {"high_ns", before(event, is_cross ? event.left_high_s : event.bracket_high_s)}};
 }
@@ -87,8 +87,8 @@ json event_row(const NearestEvent& event) {
   return {{"sequence", event.sequence},
           {"what", is_any ? "nearest" : "no longer nearest"},
           {"object", is_any ? event.to : event.from},
-          {"why", is_any ? "" : reason_word(event.reason)},
-          {"doubt", doubt_word(event.doubt)},
+          {"why", is_any ? "" : name_of(event.reason)},
+          {"doubt", name_of(event.doubt)},
           {"low_ns", before(event, event.bracket_low_s)},
           {"high_ns", before(event, event.bracket_high_s)}};
 }

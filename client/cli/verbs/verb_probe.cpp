@@ -11,19 +11,6 @@
 namespace collided::cli {
 namespace {
 
-std::string_view word_of(Clearance state) {
-  switch (state) {
-    case Clearance::absent: return "absent";
-    case Clearance::nothing: return "nothing";
-    case Clearance::gap: return "gap";
-    case Clearance::touching: return "touching";
-    case Clearance::collision: return "collision";
-    case Clearance::deeper: return "deeper";
-    case Clearance::undecided: break;
-  }
-  return "undecided";
-}
-
 bool has_met(const ProbeReading& reading) { return !reading.met.empty(); }
 
 Record probe_record(const ProbeReading& reading) {
@@ -31,7 +18,7 @@ Record probe_record(const ProbeReading& reading) {
   const bool met = has_met(reading);
   return {{"time", seconds_of(reading.world_time)},
           {"probe", std::string_view(reading.probe)},
-          {"state", word_of(reading.state)},
+          {"state", name_of(reading.state)},
           {"clearance", met ? Value(reading.clearance_m) : none},
           {"error", met ? Value(reading.error_m) : none},
           {"met", met ? Value(std::string_view(reading.met)) : none},
@@ -128,7 +115,7 @@ class ProbeCommand : public Command {
         continue;
       }
       printer.row({"PROBE", "ON", "STATE", "CLEARANCE", "TO"},
-                  {printable(reading.probe), printable(reading.object), std::string(word_of(reading.state)),
+                  {printable(reading.probe), printable(reading.object), std::string(name_of(reading.state)),
                    clearance_text(reading, printer.digits()), printable(reading.met)});
     }
     printer.finish();
@@ -163,7 +150,7 @@ class ProbeCommand : public Command {
 
   static std::string line_of(const Printer& printer, const ProbeReading& reading) {
     std::string line = fmt::format("{} {}  {}", clock_text(reading.world_time), printable(reading.probe),
-                                   printer.paint(paint_of(reading.state), word_of(reading.state)));
+                                   printer.paint(paint_of(reading.state), name_of(reading.state)));
     if (has_met(reading))
       line += fmt::format("  {}  {} {}", clearance_text(reading, printer.digits()),
                           reading.clearance_m > 0 ? "to" : "in", printable(reading.met));

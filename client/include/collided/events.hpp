@@ -7,7 +7,9 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 
+#include <collided/codes.hpp>
 #include <collided/containment.hpp>
 #include <collided/geometry.hpp>
 
@@ -24,28 +26,13 @@ class ShardedWatching;
 /// the two has come to lie wholly within the other, a declared solid; emerged: it no longer does. These two alternate
 /// between a contact's `began` and its `ended`.
 enum class EventKind { open, began, persisted, ended, contained, emerged };
-/// Why a contact ended. none: the reason was missed, or the event is not an `ended`. decided: the pair was in doubt and
-/// no longer is; where no contact begins at once, the two are apart. crossed and fence_removed are of fences (fences.hpp).
-/// allowed: the two are allowed to touch since.
-enum class EndReason {
-  none,
-  separated,
-  removed,
-  publisher_lost,
-  teleported,
-  geometry_changed,
-  server_stopping,
-  server_restarted,
-  decided,
-  crossed,
-  fence_removed,
-  allowed
-};
-/// Why it is not known whether two objects touch.
-/// numeric         the test came out undecided
-/// cost_limit      the motion from pose to pose could not be followed to its end
-/// publisher_lost  one of the two is where its lost publisher said last (LostPolicy::freeze), and may have moved on
-enum class Doubt { none, numeric, cost_limit, publisher_lost };
+constexpr std::string_view name_of(EventKind kind) {
+  constexpr std::string_view kNames[] = {"open", "began", "persisted", "ended", "contained", "emerged"};
+  return kNames[static_cast<int>(kind)];
+}
+/// none: the reason was missed, or the event is not an `ended`.
+using codes::Doubt;
+using codes::EndReason;
 
 /// News of a contact between two objects. Metres, world coordinates.
 struct Event {

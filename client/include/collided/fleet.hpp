@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <collided/client.hpp>
+#include <collided/codes.hpp>
 #include <collided/diagnosis.hpp>
 
 /// Which servers of a namespace are there, and do they fit together?
@@ -14,10 +15,8 @@
 
 namespace collided {
 
-/// primary: answers, and publishes events. standby: holds the same world, and waits. replica: holds the same world, and
-/// answers questions.
-enum class FleetRole { primary, standby, replica };
-std::string_view name_of(FleetRole role);
+using FleetRole = codes::MemberRole;
+using codes::name_of;
 
 /// A server of a namespace, as it says itself.
 struct FleetMember {

@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include <collided/codes.hpp>
 #include <collided/geometry.hpp>
 
 /// Rays fixed to objects, for measuring clearance.
@@ -25,13 +26,7 @@ struct Probe {
   double back_m = 1;
 };
 
-/// What a probe reads.
-/// absent     its object is not in the world
-/// nothing    there is nothing within reach
-/// gap, touching, collision  by the sign of the clearance
-/// deeper     the ray begins inside a solid, so the clearance is -back_m or less
-/// undecided  the arithmetic did not decide, or the ray leaves the space in which the geometry is complete
-enum class Clearance { absent, nothing, gap, touching, collision, deeper, undecided };
+using Clearance = codes::ProbeState;
 
 /// What a probe read in one state of the world.
 struct ProbeReading {

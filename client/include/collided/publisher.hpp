@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <collided/codes.hpp>
 #include <collided/result.hpp>
 #include <collided/shapes.hpp>
 
@@ -23,7 +24,7 @@ class ShardedPublishing;
 /// freeze  it stays where it was said to be last, but stale, since it may have moved on: answers that it could change
 ///         are undecided
 /// hold    it stays there as if known
-enum class LostPolicy { remove, freeze, hold };
+using codes::LostPolicy;
 
 /// An object to add, by Publisher::add or Client::add.
 struct ObjectOptions {

@@ -8,6 +8,7 @@
 #include <type_traits>
 #include <vector>
 
+#include <collided/codes.hpp>
 #include <collided/geometry.hpp>
 
 /// Rays, spheres, boxes, nearest points and sweeps: the questions, the options that go with them, and the answers.
@@ -23,9 +24,8 @@ namespace collided {
 /// signed_near  of near: where a solid holds the point, the distance is minus the depth instead of 0
 /// verdict      none: hit or miss alone, the answer has no hits. Of rays, spheres, boxes and inside; the cheapest where
 ///              only that counts, as of a line of sight
-enum class HitMode { closest, any, all, signed_near, verdict };
-/// How much a question matters while the server cannot answer all: low ones are refused first, high ones never.
-enum class Importance { normal, low, high };
+using codes::HitMode;
+using codes::Importance;
 
 /// What does a ray hit?
 struct RayQuestion {
@@ -74,7 +74,7 @@ struct SweepQuestion {
 /// For an instant later than `settled`, an answer is undecided (stale_object) where an object that has no pose for that
 /// instant yet could change it. The server remembers some seconds (its option --memory) and refuses earlier instants.
 struct Instant {
-  enum class Kind { latest, settled, at, back };
+  using Kind = codes::InstantKind;
   Kind kind = Kind::latest;
   std::chrono::nanoseconds time{0};  // for `at` and `back`, not negative
 };
@@ -101,16 +101,8 @@ struct AskOptions {
   Importance importance = Importance::normal;       // of all questions of the call
 };
 
-/// invalid: the server found numbers in the question that cannot be answered.
-enum class Verdict { miss, hit, undecided, invalid };
-/// Why an answer is undecided.
-/// numeric       the arithmetic did not decide; the other answers are as certain as always
-/// stale_object  an object whose place at that instant is not known could change the answer
-/// recovering    the server restarted after a crash, and objects may still be missing
-/// truncated     there are more hits than AskOptions::max_hits
-/// deadline      AskOptions::deadline was over
-/// not_covered   the question leaves the space in which the loaded geometry was said to be complete
-enum class UndecidedReason { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
+using codes::UndecidedReason;
+using codes::Verdict;
 
 /// One object, or one triangle of it, that answers a question.
 struct Hit {

@@ -64,7 +64,7 @@ void fill_header(wire::Query& query, const QuestionRequest& request, const AskOp
   query.instant = static_cast<std::uint8_t>(options.as_of.kind);
   query.instant_ns = options.as_of.time.count();
   query.mask = options.mask;
-  query.max_hits = options.max_hits.value_or(request.kind == wire_contract::RequestKind::near ? 1 : 1'000);
+  query.max_hits = options.max_hits.value_or(request.kind == wire_contract::QuestionKind::near ? 1 : 1'000);
   query.deadline_ns = options.deadline.count();
   query.error_asked = options.error_m;
   query.barrier_publisher = barrier.publisher;

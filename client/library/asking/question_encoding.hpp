@@ -24,28 +24,28 @@ template <class Question>
 struct QuestionWire;
 template <>
 struct QuestionWire<RayQuestion> {
-  static constexpr auto kind = wire_contract::RequestKind::ray;
+  static constexpr auto kind = wire_contract::QuestionKind::ray;
   static constexpr std::uint32_t number_count = wire_contract::kRayNumbers;
   static constexpr const char* noun = "ray";
   static constexpr const auto& fields = wire_contract::kRayFields;
 };
 template <>
 struct QuestionWire<SphereQuestion> {
-  static constexpr auto kind = wire_contract::RequestKind::sphere;
+  static constexpr auto kind = wire_contract::QuestionKind::sphere;
   static constexpr std::uint32_t number_count = wire_contract::kSphereNumbers;
   static constexpr const char* noun = "sphere";
   static constexpr const auto& fields = wire_contract::kSphereFields;
 };
 template <>
 struct QuestionWire<BoxQuestion> {
-  static constexpr auto kind = wire_contract::RequestKind::box;
+  static constexpr auto kind = wire_contract::QuestionKind::box;
   static constexpr std::uint32_t number_count = wire_contract::kBoxNumbers;
   static constexpr const char* noun = "box";
   static constexpr const auto& fields = wire_contract::kBoxFields;
 };
 template <>
 struct QuestionWire<NearQuestion> {
-  static constexpr auto kind = wire_contract::RequestKind::near;
+  static constexpr auto kind = wire_contract::QuestionKind::near;
   static constexpr std::uint32_t number_count = wire_contract::kNearNumbers;
   static constexpr const char* noun = "near";
   static constexpr const auto& fields = wire_contract::kNearFields;
@@ -53,7 +53,7 @@ struct QuestionWire<NearQuestion> {
 
 template <>
 struct QuestionWire<InsideQuestion> {
-  static constexpr auto kind = wire_contract::RequestKind::inside;
+  static constexpr auto kind = wire_contract::QuestionKind::inside;
   static constexpr std::uint32_t number_count = wire_contract::kInsideNumbers;
   static constexpr const char* noun = "inside";
   static constexpr const auto& fields = wire_contract::kInsideFields;
@@ -61,7 +61,7 @@ struct QuestionWire<InsideQuestion> {
 
 template <>
 struct QuestionWire<SweepQuestion> {
-  static constexpr auto kind = wire_contract::RequestKind::sweep;
+  static constexpr auto kind = wire_contract::QuestionKind::sweep;
   static constexpr std::uint32_t number_count = wire_contract::kSweepNumbers;
   static constexpr const char* noun = "sweep";
   static constexpr const auto& fields = wire_contract::kSweepFields;

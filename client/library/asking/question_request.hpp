@@ -14,7 +14,7 @@ namespace collided::client {
 
 /// The questions of one call, whatever their type.
 struct QuestionRequest {
-  wire_contract::RequestKind kind;
+  wire_contract::QuestionKind kind;
   const char* noun;
   std::uint32_t number_count;  // per question
   std::size_t question_count;

@@ -85,7 +85,7 @@ Result<WhatIfAnswers> what_if(Connection& connection, const WhatIfConfigurations
   if (options.with_filtered) text["with_filtered"] = true;
   for (const auto& [child, parent] : options.attached) text["attached"].push_back({child, parent});
   const std::vector<std::uint8_t> names = wire_contract::pack_names(given.objects);
-  QuestionRequest request{.kind = wire_contract::RequestKind::what_if,
+  QuestionRequest request{.kind = wire_contract::QuestionKind::what_if,
                           .noun = "what-if",
                           .number_count = static_cast<std::uint32_t>(moved) * wire_contract::kPoseNumbers,
                           .question_count = given.poses.size() / moved,

@@ -68,7 +68,7 @@ std::optional<Error> send_command(Connection& connection, Requests::Running& run
   query = {};
   query.request = running.number();
   query.chunk_count = 1;
-  query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::command);
+  query.kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::command);
   static_cast<void>(dds::set_text(query.text, text));  // its length was checked
   dds::borrow(query.blob, blob);
   return connection.send(query, right);

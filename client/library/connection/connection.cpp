@@ -169,7 +169,7 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
   query = {};
   query.request = hello->number();
   query.chunk_count = 1;
-  query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::hello);
+  query.kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::hello);
   const bool is_plain = options_.keys.empty() && !participant_->configured_by_environment();
   const CrowdPatience crowd(options_, is_plain, deadline - Clock::now());
   std::uint32_t matched = 0;

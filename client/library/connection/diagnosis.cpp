@@ -179,7 +179,7 @@ Finding round_trip_finding(Connection& connection) {
     query = {};
     query.request = trip->number();
     query.chunk_count = 1;
-    query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::hello);
+    query.kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::hello);
     const Clock::time_point start = Clock::now();
     const bool back =
         !connection.send(query, Connection::QueryRight::greet) && !trip->wait(start + std::chrono::seconds(1)).empty();

@@ -119,11 +119,6 @@ void find_alarms(const std::vector<FleetMember>& members, std::vector<Finding>& 
 
 }  // namespace
 
-std::string_view name_of(FleetRole role) {
-  constexpr std::string_view kNames[] = {"primary", "standby", "replica"};
-  return kNames[static_cast<std::size_t>(role)];
-}
-
 std::vector<Finding> fleet_findings(const std::vector<FleetMember>& members) {
   std::vector<Finding> findings;
   find_primaries(members, findings);

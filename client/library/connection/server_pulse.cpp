@@ -64,8 +64,8 @@ ServerStatus decode_status(const wire::Status& status) {
 }  // namespace
 
 std::string state_name(std::uint8_t state) {
-  constexpr const char* kNames[] = {"starting", "recovering", "ready", "stopping"};
-  return state < std::size(kNames) ? kNames[state] : "unknown (" + std::to_string(state) + ')';
+  const std::string_view name = name_of(static_cast<codes::ServerState>(state));
+  return name.empty() ? "unknown (" + std::to_string(state) + ')' : std::string(name);
 }
 
 void ServerPulse::hear(dds::Sample<wire::Status>& status) {

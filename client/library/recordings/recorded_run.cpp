@@ -10,8 +10,8 @@ namespace collided::client {
 namespace {
 
 using recording::Recorded;
+using wire_contract::QuestionKind;
 using wire_contract::ReplyStatus;
-using wire_contract::RequestKind;
 namespace names = wire_contract::command;
 
 /// A text as JSON; a discarded value where it is not JSON.
@@ -109,10 +109,10 @@ class Sorting {
   }
 
   void take_query(std::size_t index) {
-    if (query_->kind == static_cast<std::uint8_t>(RequestKind::hello)) return;
+    if (query_->kind == static_cast<std::uint8_t>(QuestionKind::hello)) return;
     // Questions about past instants cannot be replayed.
     if (query_->instant != 0) return;
-    const bool command = query_->kind == static_cast<std::uint8_t>(RequestKind::command);
+    const bool command = query_->kind == static_cast<std::uint8_t>(QuestionKind::command);
     const std::string what = command ? word_of(parsed(query_->text), "command") : std::string();
     if (what == names::kLoad || what == names::kClear) ++run_.changing_files;
     const bool is_asked_again = (what == names::kPair || what == names::kClearance) && !run_.items[index].opening &&
@@ -181,7 +181,7 @@ class Sorting {
 
   void settle_requests() {
     for (auto& [who, request] : requests_) {
-      const bool command = request.kind == static_cast<std::uint8_t>(RequestKind::command);
+      const bool command = request.kind == static_cast<std::uint8_t>(QuestionKind::command);
       const bool whole = request.state && request.questions.size() == request.chunk_count &&
                          request.answered.size() == (command ? request.reply_chunks : request.chunk_count);
       if (request.refused) continue;

@@ -116,7 +116,7 @@ bool Recording::State::hear(const wire::Reply& sample) {
 /// Once it is answered, fences may be others.
 void Recording::State::note_fence_command(const wire::Query& sample) {
   constexpr std::size_t kMostCommands = 1'000;
-  if (sample.kind != static_cast<std::uint8_t>(wire_contract::RequestKind::command)) return;
+  if (sample.kind != static_cast<std::uint8_t>(wire_contract::QuestionKind::command)) return;
   if (std::string_view(sample.text).find('"' + std::string(wire_contract::command::kFence) + '"') ==
       std::string_view::npos)
     return;

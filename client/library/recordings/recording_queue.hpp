@@ -46,7 +46,7 @@ class RecordingQueue {
   void put(recording::Recorded topic, const T& sample, std::uint64_t log_time, std::uint64_t publish_time) {
     Entry entry{.channel = static_cast<std::uint16_t>(topic), .log_time = log_time, .publish_time = publish_time};
     if constexpr (std::is_same_v<T, wire::Query>) {
-      if (sample.kind == static_cast<std::uint8_t>(wire_contract::RequestKind::command))
+      if (sample.kind == static_cast<std::uint8_t>(wire_contract::QuestionKind::command))
         entry.client = sample.client, entry.request = sample.request;
     }
     put(entry, wire::cdr_size(sample), [&](std::span<std::byte> room) { wire::write_cdr(sample, room); });

@@ -337,9 +337,9 @@ class AskedReplay : public Replaying {
     for (std::size_t i = 0; i < queries.size(); ++i) {
       if (!wire::read_cdr(run_.items[request.questions[i]].data, queries[i])) return;
     }
-    const auto asked = static_cast<wire_contract::RequestKind>(queries[0]->kind);
-    const std::string kind = asked == wire_contract::RequestKind::command ? command_of(parsed_text(*queries[0]))
-                                                                          : std::string(wire_contract::name_of(asked));
+    const auto asked = static_cast<wire_contract::QuestionKind>(queries[0]->kind);
+    const std::string kind = asked == wire_contract::QuestionKind::command ? command_of(parsed_text(*queries[0]))
+                                                                           : std::string(wire_contract::name_of(asked));
     client::ComparedAnswers answers;
     ask(queries, [&](const wire::Reply& reply) { answers.add(reply); });
     const std::map<std::uint64_t, ComparedAnswer> now = answers.take();

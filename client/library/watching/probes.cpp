@@ -18,12 +18,11 @@ namespace {
 
 constexpr std::chrono::seconds kTimeout{10};
 
-constexpr std::array<const char*, 7> kStates{"absent",    "nothing", "gap",      "touching",
-                                             "collision", "deeper",  "undecided"};
-
 Clearance clearance_of(const std::string& word) {
-  const auto found = std::find(kStates.begin(), kStates.end(), word);
-  return found == kStates.end() ? Clearance::undecided : static_cast<Clearance>(found - kStates.begin());
+  for (std::uint8_t code = 0; !name_of(static_cast<Clearance>(code)).empty(); ++code) {
+    if (name_of(static_cast<Clearance>(code)) == word) return static_cast<Clearance>(code);
+  }
+  return Clearance::undecided;
 }
 
 nlohmann::json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
@@ -88,10 +87,10 @@ bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReadin
   names.learn(dds::view(frame.named_ids), dds::view(frame.names));
   const auto name = [&](std::uint64_t id) { return id == 0 ? std::string() : names.name(id); };
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    const std::uint8_t state = dds::view(frame.states)[i];
+    const auto state = static_cast<Clearance>(dds::view(frame.states)[i]);
     readings.push_back({.probe = std::string(probes[i]),
                         .object = name(dds::view(frame.objects)[i]),
-                        .state = state < kStates.size() ? static_cast<Clearance>(state) : Clearance::undecided,
+                        .state = name_of(state).empty() ? Clearance::undecided : state,
                         .clearance_m = dds::view(frame.clearances)[i],
                         .error_m = dds::view(frame.clearance_errors)[i],
                         .met = name(dds::view(frame.met)[i]),

@@ -3,7 +3,6 @@
 #include "server/service/commands/awaited_jobs-inl.hpp"
 #include "server/service/commands/certificate_encoding.hpp"
 #include "server/service/commands/commands.hpp"
-#include "server/service/commands/event_words.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/explain/event_explanation.hpp"
@@ -52,8 +51,8 @@ json described(const RecentEvent& recent, bool is_of_fence) {
   const Event& event = recent.event;
   json row{{"sequence", event.sequence},
            {"what", word_of_kind(event.kind, is_of_fence, event.of.b)},
-           {"why", reason_word(event.reason)},
-           {"doubt", doubt_word(event.of.doubt)},
+           {"why", name_of(event.reason)},
+           {"doubt", name_of(event.of.doubt)},
            {"a", recent.a},
            {"b", recent.b},
            {"a_triangle", event.of.a_triangle},

@@ -2,7 +2,6 @@
 
 #include "server/service/commands/commands.hpp"
 #include "server/service/commands/certificate_encoding.hpp"
-#include "server/service/commands/event_words.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/nearest_word.hpp"
 #include "server/service/questions/validation.hpp"
@@ -34,7 +33,7 @@ json described(const FenceStanding& standing, const Snapshot& state) {
     row["told"] = true;
     row["since_ns"] = standing.told->began_ns;
     row["episode"] = standing.told->episode;
-    row["doubt"] = doubt_word(standing.told->doubt);
+    row["doubt"] = name_of(standing.told->doubt);
   }
   return row;
 }
@@ -50,8 +49,8 @@ json described_last(const RecentEvent& recent, bool is_of_nearest) {
   return {{"sequence", recent.event.sequence},
           {"what", is_of_nearest ? (is_begin ? "nearest" : "no longer nearest") : (is_begin ? "enter" : "exit")},
           {"object", recent.a},
-          {"why", reason_word(recent.event.reason)},
-          {"doubt", doubt_word(recent.event.of.doubt)},
+          {"why", name_of(recent.event.reason)},
+          {"doubt", name_of(recent.event.of.doubt)},
           {"low_ns", recent.low_ns()},
           {"high_ns", recent.high_ns()}};
 }

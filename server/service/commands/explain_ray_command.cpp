@@ -2,7 +2,6 @@
 
 #include <limits>
 
-#include "server/service/commands/answer_words.hpp"
 #include "server/service/commands/awaited_jobs-inl.hpp"
 #include "server/service/commands/certificate_encoding.hpp"
 #include "server/service/commands/commands.hpp"
@@ -29,12 +28,6 @@ std::array<double, kRayNumbers> ray_numbers(const Arguments& arguments) {
   if (!is_question(QuestionKind::ray, numbers.data()))
     throw BadCommand("explain: the ray's direction is 0 0 0 or its length below 0");
   return numbers;
-}
-
-const char* word_of(UndecidedReason reason) {
-  static constexpr const char* kWords[] = {"",          "numeric",  "stale_object", "recovering",
-                                           "truncated", "deadline", "not_covered"};
-  return kWords[static_cast<std::size_t>(reason)];
 }
 
 const char* word_of(Level level) {
@@ -97,8 +90,8 @@ class RayTeller {
 
 json described(const RayExplanation& told, const Snapshot& state, const RayExplanationAsk& ask) {
   const RayTeller teller(state, ask);
-  json answer{{"answer", verdict_word(told.verdict)},
-              {"reason", word_of(told.reason)},
+  json answer{{"answer", name_of(told.verdict)},
+              {"reason", name_of(told.reason)},
               {"level", word_of(told.level)},
               {"nodes", told.node_count},
               {"exact_tests", told.exact_tests},

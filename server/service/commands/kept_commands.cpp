@@ -141,7 +141,7 @@ void Commands::forget_upload(const std::string& path) {
 void Commands::tell_flight_recorder(const CommandAsk& ask) {
   if (with_.flight == nullptr) return;
   dds::Sample<wire::Query> query;
-  query->kind = static_cast<std::uint8_t>(wire_contract::RequestKind::command);
+  query->kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::command);
   query->chunk_count = 1;
   static_cast<void>(dds::set_text(query->text, ask.text));  // it came in such a field, so it fits
   const std::vector<std::uint8_t> blob(reinterpret_cast<const std::uint8_t*>(ask.blob.data()),

@@ -13,11 +13,6 @@ using nlohmann::json;
 
 namespace {
 
-const char* name_of(ProbeState state) {
-  static constexpr const char* kNames[] = {"absent", "nothing", "gap", "touching", "collision", "deeper", "undecided"};
-  return kNames[static_cast<std::size_t>(state)];
-}
-
 ProbeDefinition definition_of(const Arguments& arguments) {
   ProbeDefinition probe{.name = arguments.text("name"),
                         .object = arguments.text("object"),

@@ -1,6 +1,5 @@
 #include <cmath>
 
-#include "server/service/commands/answer_words.hpp"
 #include "server/service/commands/certificate_encoding.hpp"
 #include "server/service/commands/commands.hpp"
 #include "server/service/commands/object_description.hpp"
@@ -50,7 +49,7 @@ json Commands::sampled(const CommandAsk& ask, const Arguments& arguments) {
     json& row = rows.emplace_back(json{{"sequence", sample.sequence},
                                        {"kind", name_of(sample.kind)},
                                        {"ago_ns", now_ns - sample.taken_ns},
-                                       {"answer", verdict_word(sample.verdict)}});
+                                       {"answer", name_of(sample.verdict)}});
     add_question(row, sample);
     since = sample.sequence;
     if (!sample.has_hit) continue;

@@ -14,8 +14,8 @@
 
 namespace collided::engine::service {
 
+using wire_contract::QuestionKind;
 using wire_contract::ReplyStatus;
-using wire_contract::RequestKind;
 
 std::string refusal_text(const std::string& error, const std::string& hint, std::int64_t retry_after_ns) {
   nlohmann::json text{{"error", error}};
@@ -110,8 +110,8 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
 const char* Answering::why_not_allowed(const Ask& ask) const {
   if (options_.peers == nullptr) return nullptr;
   const wire::Query& query = *ask.query;
-  const auto kind = static_cast<RequestKind>(query.kind);
-  if (kind == RequestKind::hello || kind == RequestKind::command) return nullptr;
+  const auto kind = static_cast<QuestionKind>(query.kind);
+  if (kind == QuestionKind::hello || kind == QuestionKind::command) return nullptr;
   if (!ask.from.has(wire_contract::QueryRight::ask)) return "the keys give no right to ask questions";
   if (static_cast<wire_contract::Importance>(query.importance) == wire_contract::Importance::high &&
       !ask.from.peer->asks_high)
@@ -121,7 +121,7 @@ const char* Answering::why_not_allowed(const Ask& ask) const {
 
 /// Why a replica does not answer now; null where it does, and of any other server.
 const char* Answering::why_not_answered(const wire::Query& query) const {
-  if (options_.replica == nullptr || static_cast<RequestKind>(query.kind) == RequestKind::hello) return nullptr;
+  if (options_.replica == nullptr || static_cast<QuestionKind>(query.kind) == QuestionKind::hello) return nullptr;
   return options_.replica->is_open() ? nullptr
                                      : "this replica's world was not found the primary's of late; the primary answers, "
                                        "and collide fleet shows both";

@@ -14,7 +14,7 @@
 namespace collided::engine::service {
 
 using wire_contract::Importance;
-using wire_contract::RequestKind;
+using wire_contract::QuestionKind;
 
 void Answering::admit(AskPointer ask) {
   const wire::Query& query = *ask->query;
@@ -38,7 +38,7 @@ void Answering::admit(AskPointer ask) {
 
 Share Answering::share_of(const Ask& ask) {
   const wire::Query& query = *ask.query;
-  const bool is_question = wire_contract::numbers_of(static_cast<RequestKind>(query.kind)) > 0;
+  const bool is_question = wire_contract::numbers_of(static_cast<QuestionKind>(query.kind)) > 0;
   return {.client = query.client,
           .owner = ask.from.participant,
           .cost = cost_of(query),
@@ -117,7 +117,7 @@ std::int64_t Answering::retry_after_ns() {
 /// Whether the overload refuses this question: only those of low importance are.
 bool Answering::leaves_out(const wire::Query& query) const {
   return options_.overload != nullptr && options_.overload->refuses_low_questions() &&
-         wire_contract::numbers_of(static_cast<RequestKind>(query.kind)) > 0 &&
+         wire_contract::numbers_of(static_cast<QuestionKind>(query.kind)) > 0 &&
          static_cast<Importance>(query.importance) == Importance::low;
 }
 

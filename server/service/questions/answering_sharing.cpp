@@ -8,7 +8,7 @@
 // How the questions of one chunk are spread over the threads that have nothing to do.
 namespace collided::engine::service {
 
-using wire_contract::RequestKind;
+using wire_contract::QuestionKind;
 
 namespace {
 
@@ -18,8 +18,8 @@ constexpr std::size_t kPartsAThread = 2;
 constexpr std::uint32_t kMostSharedBytes = 65'536;
 
 bool may_be_shared(const wire::Query& query) {
-  const auto kind = static_cast<RequestKind>(query.kind);
-  const bool is_question = kind != RequestKind::what_if && !wire::question_columns(kind).empty();
+  const auto kind = static_cast<QuestionKind>(query.kind);
+  const bool is_question = kind != QuestionKind::what_if && !wire::question_columns(kind).empty();
   return is_question && query.blob._length <= kMostSharedBytes;
 }
 

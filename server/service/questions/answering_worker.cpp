@@ -18,8 +18,8 @@
 
 namespace collided::engine::service {
 
+using wire_contract::QuestionKind;
 using wire_contract::ReplyStatus;
-using wire_contract::RequestKind;
 
 namespace {
 wire_contract::AskedInstant instant_of(const wire::Query& query) {
@@ -107,13 +107,13 @@ void Answering::Worker::answer_or_throw(Client& client, Ask& ask) {
   if (refusal) {
     ++owner_.with_.counts.refused;
     write_text(client, query.request, ReplyStatus::refused, refusal_text(*refusal, {}, ask.retry_after_ns));
-  } else if (query.kind == static_cast<std::uint8_t>(RequestKind::command)) {
+  } else if (query.kind == static_cast<std::uint8_t>(QuestionKind::command)) {
     command(ask);
-  } else if (query.kind == static_cast<std::uint8_t>(RequestKind::hello)) {
+  } else if (query.kind == static_cast<std::uint8_t>(QuestionKind::hello)) {
     write_text(client, query.request, ReplyStatus::ok, {});
-  } else if (query.kind == static_cast<std::uint8_t>(RequestKind::sweep)) {
+  } else if (query.kind == static_cast<std::uint8_t>(QuestionKind::sweep)) {
     answer_sweeps(client, ask);
-  } else if (query.kind == static_cast<std::uint8_t>(RequestKind::what_if)) {
+  } else if (query.kind == static_cast<std::uint8_t>(QuestionKind::what_if)) {
     answer_configurations(client, ask);
   } else {
     answer_questions(client, ask, nullptr);
@@ -201,7 +201,7 @@ void Answering::Worker::answer_configurations(Client& client, Ask& ask) {
   const std::shared_ptr<const Snapshot> state = ask.past ? ask.past : std::shared_ptr<const Snapshot>(lease, &**lease);
   const auto asked = what_if_asked(query, *state);
   if (const auto* refusal = std::get_if<Refusal>(&asked)) return refuse(refusal->reason);
-  wire::gather_rows(query, wire::question_columns(RequestKind::what_if), numbers_);
+  wire::gather_rows(query, wire::question_columns(QuestionKind::what_if), numbers_);
   const std::int64_t began_ns = steady_ns();
   WhatIf what_if(state, std::get<WhatIfAsk>(asked), owner_.with_.part_meshes);
   const std::span<const double> rows = rows_left(ask);
@@ -229,7 +229,7 @@ std::span<const double> Answering::Worker::rows_left(const Ask& ask) const {
 
 void Answering::Worker::answer_questions(Client& client, Ask& ask, const ObjectInfo* mover) {
   const wire::Query& query = *ask.query;
-  wire::gather_rows(query, wire::question_columns(static_cast<RequestKind>(query.kind)), numbers_);
+  wire::gather_rows(query, wire::question_columns(static_cast<QuestionKind>(query.kind)), numbers_);
   const std::span<const double> rows = rows_left(ask);
   const SearchTime time = time_for(client, ask);
   const bool with_hits = query.mode != static_cast<std::uint8_t>(wire_contract::HitMode::verdict);

@@ -17,7 +17,7 @@ using wire_contract::AskedInstant;
 using wire_contract::HitMode;
 using wire_contract::Importance;
 using wire_contract::kMaxPosesPerChunk;
-using wire_contract::RequestKind;
+using wire_contract::QuestionKind;
 
 std::optional<std::string> why_bad_chunk(const wire::Query& query, std::size_t questions) {
   using wire_contract::kMaxQuestionsPerRequest;
@@ -50,12 +50,12 @@ std::optional<std::string> why_bad_filter(const wire::Query& query) {
   return std::nullopt;
 }
 
-bool has_mode(RequestKind kind, HitMode mode) {
+bool has_mode(QuestionKind kind, HitMode mode) {
   switch (mode) {
-    case HitMode::signed_near: return kind == RequestKind::near;
+    case HitMode::signed_near: return kind == QuestionKind::near;
     case HitMode::verdict:
-      return kind == RequestKind::ray || kind == RequestKind::sphere || kind == RequestKind::box ||
-             kind == RequestKind::inside;
+      return kind == QuestionKind::ray || kind == QuestionKind::sphere || kind == QuestionKind::box ||
+             kind == QuestionKind::inside;
     default: return true;
   }
 }
@@ -97,18 +97,18 @@ bool is_single(const wire::Query& query) { return query.chunk_count == 1 && wire
 /// The weights follow the table of times in the guide to accuracy (deploy/docs), where a ray takes 0.3 us; a nearest
 /// point and a time of contact are of another order.
 double cost_of(const wire::Query& query) {
-  const auto kind = static_cast<RequestKind>(query.kind);
+  const auto kind = static_cast<QuestionKind>(query.kind);
   const double questions = std::max(1U, wire::question_count(query).value_or(1));
   // The state of a past instant has to be put together first.
   const double state = query.instant != static_cast<std::uint8_t>(AskedInstant::Kind::latest) ? 2'000 : 0;
   switch (kind) {
-    case RequestKind::sphere: return state + 2 * questions;
-    case RequestKind::box: return state + 3 * questions;
-    case RequestKind::inside: return state + 3 * questions;
-    case RequestKind::near: return state + 25 * questions;
-    case RequestKind::sweep: return state + 45 * questions;
-    case RequestKind::what_if: return state + 200 * questions * std::max(1U, wire::moved_count(query));
-    case RequestKind::command: return 1'000;
+    case QuestionKind::sphere: return state + 2 * questions;
+    case QuestionKind::box: return state + 3 * questions;
+    case QuestionKind::inside: return state + 3 * questions;
+    case QuestionKind::near: return state + 25 * questions;
+    case QuestionKind::sweep: return state + 45 * questions;
+    case QuestionKind::what_if: return state + 200 * questions * std::max(1U, wire::moved_count(query));
+    case QuestionKind::command: return 1'000;
     default: return state + questions;
   }
 }
@@ -118,7 +118,7 @@ std::optional<std::string> why_refused(const wire::Query& query) {
     return fmt::format("question kind {} is not known; allowed 0 to {}", query.kind,
                        static_cast<unsigned>(wire_contract::kLastKind));
   }
-  const auto kind = static_cast<RequestKind>(query.kind);
+  const auto kind = static_cast<QuestionKind>(query.kind);
   if (wire::question_columns(kind).empty()) return std::nullopt;
   const std::optional<std::uint32_t> count = wire::question_count(query);
   if (!count || *count == 0) {
@@ -126,7 +126,7 @@ std::optional<std::string> why_refused(const wire::Query& query) {
                        count ? "empty" : "not of one length, or others are filled too");
   }
   if (auto reason = why_bad_chunk(query, *count)) return reason;
-  if (kind == RequestKind::what_if && std::uint64_t{*count} * wire::moved_count(query) > kMaxPosesPerChunk)
+  if (kind == QuestionKind::what_if && std::uint64_t{*count} * wire::moved_count(query) > kMaxPosesPerChunk)
     return fmt::format("a chunk of {} poses; allowed {}", std::uint64_t{*count} * wire::moved_count(query),
                        kMaxPosesPerChunk);
   if (auto reason = why_unknown("hit mode", query.mode, HitMode::verdict)) return reason;

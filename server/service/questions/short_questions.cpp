@@ -8,8 +8,8 @@ namespace collided::engine::service {
 bool ShortQuestions::is_short(const wire::Query& query, std::int64_t now_ns) const {
   return now_ns >= not_before_ns_ && is_single(query) && query.text[0] == 0 &&
          query.instant == static_cast<std::uint8_t>(wire_contract::AskedInstant::Kind::latest) &&
-         query.kind != static_cast<std::uint8_t>(wire_contract::RequestKind::sweep) &&
-         query.kind != static_cast<std::uint8_t>(wire_contract::RequestKind::what_if);
+         query.kind != static_cast<std::uint8_t>(wire_contract::QuestionKind::sweep) &&
+         query.kind != static_cast<std::uint8_t>(wire_contract::QuestionKind::what_if);
 }
 
 void ShortQuestions::took(std::int64_t started_ns, std::int64_t ended_ns) {

@@ -30,7 +30,7 @@ bool truth_of(const json& object, const char* key, bool otherwise) {
 
 std::vector<std::byte> command_of(const json& arguments) {
   dds::Sample<wire::Query> query;
-  query->kind = static_cast<std::uint8_t>(wire_contract::RequestKind::command);
+  query->kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::command);
   query->chunk_count = 1;
   static_cast<void>(dds::set_text(query->text, arguments.dump(-1, ' ', false, json::error_handler_t::replace)));
   return wire::cdr_bytes(*query);
@@ -55,7 +55,7 @@ std::size_t FlightCommands::drop_if(const IsChosen& is_chosen) {
 }
 
 void FlightCommands::asked(const wire::Query& query) {
-  if (query.kind != static_cast<std::uint8_t>(wire_contract::RequestKind::command)) return;
+  if (query.kind != static_cast<std::uint8_t>(wire_contract::QuestionKind::command)) return;
   const std::string what = text_of(json::parse(query.text, nullptr, false), "command");
   if (std::find(kChanges.begin(), kChanges.end(), what) == kChanges.end()) return;
   if (query.client == 0)

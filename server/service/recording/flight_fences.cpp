@@ -33,7 +33,7 @@ std::string name_in(const json& arguments) {
 std::vector<std::byte> query_of(std::uint64_t client, std::string_view text, std::span<const std::uint8_t> blob) {
   dds::Sample<wire::Query> query;
   query->client = client;
-  query->kind = static_cast<std::uint8_t>(wire_contract::RequestKind::command);
+  query->kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::command);
   query->chunk_count = 1;
   static_cast<void>(dds::set_text(query->text, text));  // of those that fit
   dds::borrow(query->blob, blob);

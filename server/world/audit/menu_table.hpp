@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -21,9 +22,9 @@ struct MenuMethod {
 /// The rows of one kind of question, one a method, and the times that they take.
 class MenuTable {
  public:
-  MenuTable(const std::string& asked_of, std::vector<MenuMethod> methods)
+  MenuTable(std::string_view asked_of, std::vector<MenuMethod> methods)
       : methods_(std::move(methods)), times_ns_(methods_.size()) {
-    for (const MenuMethod& method : methods_) rows_.push_back({.asked_of = asked_of, .method = method.name});
+    for (const MenuMethod& method : methods_) rows_.push_back({.asked_of = std::string(asked_of), .method = method.name});
   }
   const std::vector<MenuMethod>& methods() const { return methods_; }
   MenuRow& row(std::size_t method) { return rows_[method]; }

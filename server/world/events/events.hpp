@@ -3,45 +3,16 @@
 #include <cstdint>
 #include <vector>
 
+#include "collided/codes.hpp"
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/world/objects/contained.hpp"
 #include "server/world/objects/object.hpp"
 
 namespace collided::engine {
 
-/// contained: one of two objects that touch has come to lie wholly within the other, a declared solid; emerged: no longer.
-/// Both stand between the contact's `began` and its `ended`, alternate, and begin with `contained`; a contact that ends
-/// while one holds the other emerges first.
-enum class EventKind : std::uint8_t { began, persisted, ended, contained, emerged };
-
-/// Why a contact ended. decided: it was a doubt that is settled; if no contact begins with it, the two are apart.
-/// crossed, of fences: an object was in one and out again between two poses; its `began` has this reason too. allowed: the
-/// two are allowed to touch since. removed: also told by a shard of two that have parted in what it holds of a large part,
-/// where the other object reaches beyond that.
-enum class EndReason : std::uint8_t {
-  none,
-  separated,
-  removed,
-  publisher_lost,
-  teleported,
-  geometry_changed,
-  server_stopping,
-  server_restarted,
-  decided,
-  crossed,
-  fence_removed,
-  allowed,
-};
-
-/// Why it is not known whether two objects touch. Such a pair is reported as one that touches, by `began` and `ended`,
-/// until it is decided, so that a subscriber that takes it for a contact errs on the safe side. Its depth is 0 and the
-/// bound of the depth infinite.
-enum class Doubt : std::uint8_t {
-  none,
-  numeric,         // the exact test came out undecided
-  cost_limit,      // the motion from pose to pose took more looks than one pair is given
-  publisher_lost,  // one object is where its publisher last had it, and may have gone on
-};
+using codes::Doubt;
+using codes::EndReason;
+using codes::EventKind;
 
 /// In b_triangle of the end of who was nearest: another one is at once, which the next event says.
 inline constexpr std::uint32_t kNearestGoesOn = 1;

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "collided/codes.hpp"
 #include "server/broad_phase/hierarchy/bvh.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/geometry/shape.hpp"
@@ -29,12 +30,7 @@ inline bool is_fence(ObjectId id) { return (id & kFenceBit) != 0; }
 inline constexpr ObjectId kNearestBit = ObjectId{1} << 62;
 inline bool is_nearest_question(ObjectId id) { return is_fence(id) && (id & kNearestBit) != 0; }
 
-/// What becomes of the objects of a publisher that is lost.
-enum class LostPolicy : std::uint8_t {
-  remove,  // they leave the world
-  freeze,  // they rest where the publisher last had them, and what they may have reached since is in doubt
-  hold,    // they rest there, without doubt
-};
+using codes::LostPolicy;
 
 /// A mesh with its index, both in the mesh's own frame; shared by every object that has the mesh.
 struct IndexedMesh {

@@ -15,15 +15,7 @@ namespace collided::engine {
 
 inline constexpr std::uint32_t kMaxProbes = 4'096;  // of a world
 
-enum class ProbeState : std::uint8_t {
-  absent,     // its object is not in the world
-  nothing,    // nothing is within reach
-  gap,        // a surface ahead of the origin
-  touching,   // a surface at the origin exactly
-  collision,  // a surface behind the origin: it has sunk in
-  deeper,     // sunk in by more than the probe looks back, so the clearance is at most what is reported
-  undecided,
-};
+using codes::ProbeState;
 
 /// A ray fixed to an object, for example under a wheel, that measures its clearance. It starts back_m behind the
 /// origin; the distance to the first hit, less back_m, is the signed distance from the origin to that surface. Because

@@ -11,19 +11,6 @@
 
 namespace collided::engine {
 
-const char* name_of(QuestionKind kind) {
-  switch (kind) {
-    case QuestionKind::ray: return "ray";
-    case QuestionKind::sphere: return "sphere";
-    case QuestionKind::box: return "box";
-    case QuestionKind::near: return "near";
-    case QuestionKind::sweep: return "sweep";
-    case QuestionKind::inside: return "inside";
-    case QuestionKind::what_if: return "what-if";
-  }
-  return "";
-}
-
 namespace {
 
 /// Most patterns are empty, and then no call is needed.

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "collided/codes.hpp"
 #include "idl/glob.hpp"
 #include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/exact_phase/motion/time_of_contact.hpp"
@@ -20,12 +21,14 @@ namespace collided::engine {
 
 using wire_contract::glob_matches;
 
-/// The wire's codes have the same values (server/service/wire_codes.cpp checks it).
-enum class QuestionKind : std::uint8_t { ray = 1, sphere, box, near, sweep = 6, inside, what_if };
+using codes::HitMode;
+using codes::QuestionKind;
+using codes::UndecidedReason;
+using codes::Verdict;
+
 /// Those that are numbers alone; a sweep has a shape as well, a what-if names objects (world/groups).
 inline constexpr QuestionKind kPlainQuestions[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box,
                                                    QuestionKind::near};
-const char* name_of(QuestionKind kind);
 
 /// A question is a row of this many doubles, in the order of question_columns() in idl/columns.hpp.
 inline constexpr std::uint32_t kRayNumbers = 7;
@@ -44,18 +47,9 @@ constexpr std::uint32_t numbers_of(QuestionKind kind) {
     case QuestionKind::sweep: return kSweepNumbers;
     case QuestionKind::inside: return kInsideNumbers;
     case QuestionKind::what_if: return kPoseNumbers;
+    default: return 0;
   }
-  return 0;
 }
-
-/// Which of the things that are met become hits; signed_near, of near: of a solid that holds the point the distance is
-/// minus the depth. The wire's `verdict` is `any` without hits (Questions::with_hits).
-enum class HitMode : std::uint8_t { closest, any, all, signed_near };
-
-enum class Verdict : std::uint8_t { miss, hit, undecided, invalid };
-
-/// not_covered: the question reaches out of the space in which the loaded geometry was said to be complete.
-enum class UndecidedReason : std::uint8_t { none, numeric, stale_object, recovering, truncated, deadline, not_covered };
 
 /// kInside: the ray begins in the solid, the shape of a sweep does and does not meet its surface there, or the point of
 /// near or inside is in it or on it. kStale: the object's publisher is lost and its policy is `freeze`. kByWinding: inside

@@ -21,7 +21,7 @@ namespace collided::engine::service {
 namespace {
 
 using test::Counts;
-using wire_contract::RequestKind;
+using wire_contract::QuestionKind;
 
 constexpr std::uint64_t kClient = 0x77;
 constexpr std::uint64_t kPublisher = 7;
@@ -114,11 +114,11 @@ class Allocation : public ::testing::Test {
     test::never_count_this_thread();
     ASSERT_TRUE(test::eventually([this] {
       return query_writer_.matched_readers() > 0 && pose_writer_.matched_readers() > 0 &&
-             ask(RequestKind::hello, {}, 100);
+             ask(QuestionKind::hello, {}, 100);
     }));
   }
   /// Sends it and waits for the answers, which a batch that takes longer than a turn has in several replies.
-  bool ask(RequestKind kind, const std::vector<double>& numbers, int patience_ms = 5'000) {
+  bool ask(QuestionKind kind, const std::vector<double>& numbers, int patience_ms = 5'000) {
     wire::Query& query = *query_;
     query.client = kClient;
     query.request = ++request_;
@@ -131,25 +131,25 @@ class Allocation : public ::testing::Test {
     return query_writer_.write(query) &&
            test::eventually([&] { return answered_.load() == request_; }, std::chrono::milliseconds(patience_ms));
   }
-  static std::vector<double> questions(RequestKind kind, std::size_t count, unsigned seed) {
+  static std::vector<double> questions(QuestionKind kind, std::size_t count, unsigned seed) {
     std::mt19937_64 random(seed);
     std::uniform_real_distribution<double> x(0, 9), z(0, 3), turn(-1, 1);
     std::vector<double> numbers;
     for (std::size_t i = 0; i < count; ++i) {
       for (const double at : {x(random), x(random), z(random)}) numbers.push_back(at);
-      if (kind == RequestKind::inside)
+      if (kind == QuestionKind::inside)
         numbers.end()[-3] /= 2, numbers.end()[-2] /= 2, numbers.back() = -0.1;  // the floor
-      if (kind == RequestKind::ray) numbers.insert(numbers.end(), {turn(random), turn(random), turn(random), 20});
-      if (kind == RequestKind::sphere) numbers.push_back(0.5);
-      if (kind == RequestKind::box) numbers.insert(numbers.end(), {0.4, 0.5, 0.6, 1, 0, 0, 0});
-      if (kind == RequestKind::near) numbers.push_back(1);
+      if (kind == QuestionKind::ray) numbers.insert(numbers.end(), {turn(random), turn(random), turn(random), 20});
+      if (kind == QuestionKind::sphere) numbers.push_back(0.5);
+      if (kind == QuestionKind::box) numbers.insert(numbers.end(), {0.4, 0.5, 0.6, 1, 0, 0, 0});
+      if (kind == QuestionKind::near) numbers.push_back(1);
     }
     return numbers;
   }
   /// What the serving side did for a message of questions asked so many times, once every thread that answers such a
   /// message has answered as many: a busy machine makes the reading thread pass single questions on for a while, and
   /// its memory is then still that of no question at all.
-  Counts count(RequestKind kind, const std::vector<double>& numbers, int times) {
+  Counts count(QuestionKind kind, const std::vector<double>& numbers, int times) {
     const bool single = numbers.size() <= 10;
     std::vector<double> batch;
     while (batch.size() < 20 * numbers.size()) batch.insert(batch.end(), numbers.begin(), numbers.end());
@@ -168,7 +168,7 @@ class Allocation : public ::testing::Test {
   }
   /// The same of three rounds, the one with the fewest allocations: on a busy machine a worker's first answers may still
   /// be among those that were counted. What each question, or each hundredth, allocates is there every time.
-  Counts count_settled(RequestKind kind, const std::vector<double>& numbers, int times) {
+  Counts count_settled(QuestionKind kind, const std::vector<double>& numbers, int times) {
     constexpr int kRounds = 3;
     Counts fewest = count(kind, numbers, times);
     for (int round = 1; round < kRounds && fewest.allocations > 0; ++round) {
@@ -177,9 +177,10 @@ class Allocation : public ::testing::Test {
     }
     return fewest;
   }
-  static void say(const char* what, const Counts& counts) {
-    std::printf("%-24s takes %llu, replies %llu by listener + %llu by workers, allocations %llu, locks %llu\n", what,
-                static_cast<unsigned long long>(counts.takes), static_cast<unsigned long long>(counts.listener_writes),
+  static void say(std::string_view what, const Counts& counts) {
+    std::printf("%-24.*s takes %llu, replies %llu by listener + %llu by workers, allocations %llu, locks %llu\n",
+                static_cast<int>(what.size()), what.data(), static_cast<unsigned long long>(counts.takes),
+                static_cast<unsigned long long>(counts.listener_writes),
                 static_cast<unsigned long long>(counts.worker_writes),
                 static_cast<unsigned long long>(counts.allocations), static_cast<unsigned long long>(counts.locks));
   }
@@ -210,8 +211,8 @@ class Allocation : public ::testing::Test {
 };
 
 TEST_F(Allocation, NoneForASingleQuestionOfAnyKind) {
-  for (const RequestKind kind :
-       {RequestKind::ray, RequestKind::sphere, RequestKind::box, RequestKind::near, RequestKind::inside}) {
+  for (const QuestionKind kind :
+       {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near, QuestionKind::inside}) {
     const Counts counts = count_settled(kind, questions(kind, 1, 1), 200);
     say(wire_contract::name_of(kind), counts);
     EXPECT_EQ(counts.allocations, 0U) << wire_contract::name_of(kind);
@@ -232,9 +233,9 @@ TEST_F(Allocation, NoneForQuestionsOfWhichSomeAreSampled) {
       for (const SampledQuestion& sample : serving_.samples.read(since.load(), 0, steady_ns()))
         since.store(sample.sequence);
   });
-  const Counts counts = count_settled(RequestKind::ray, questions(RequestKind::ray, 1, 1), 200);
+  const Counts counts = count_settled(QuestionKind::ray, questions(QuestionKind::ray, 1, 1), 200);
   EXPECT_TRUE(test::eventually([&] {
-    return ask(RequestKind::ray, questions(RequestKind::ray, 1, 1)) && since.load() > 1;
+    return ask(QuestionKind::ray, questions(QuestionKind::ray, 1, 1)) && since.load() > 1;
   })) << "none was sampled";
   is_over.store(true);
   reader.join();
@@ -243,7 +244,7 @@ TEST_F(Allocation, NoneForQuestionsOfWhichSomeAreSampled) {
 }
 
 TEST_F(Allocation, NoneForABatchOfAThousandRays) {
-  const Counts counts = count_settled(RequestKind::ray, questions(RequestKind::ray, 1'000, 1), 20);
+  const Counts counts = count_settled(QuestionKind::ray, questions(QuestionKind::ray, 1'000, 1), 20);
   say("1,000 rays", counts);
   EXPECT_EQ(counts.allocations, 0U);
   // All answers of each are there; one that takes longer than a worker's turn has them in several replies.
@@ -255,8 +256,8 @@ TEST_F(Allocation, NoneForABatchOfAThousandRays) {
 // The count above would be zero as well if nothing was counted.
 TEST_F(Allocation, APlantedOneIsCounted) {
   serving_.planted.store(true);
-  EXPECT_EQ(count_settled(RequestKind::ray, questions(RequestKind::ray, 1, 1), 200).allocations, 200U);
-  EXPECT_EQ(count_settled(RequestKind::ray, questions(RequestKind::ray, 1'000, 1), 20).allocations, 20U);
+  EXPECT_EQ(count_settled(QuestionKind::ray, questions(QuestionKind::ray, 1, 1), 200).allocations, 200U);
+  EXPECT_EQ(count_settled(QuestionKind::ray, questions(QuestionKind::ray, 1'000, 1), 20).allocations, 20U);
 }
 
 // As many requests in chunks as may be open, each from its first chunk on.

@@ -18,6 +18,8 @@
 #include <limits>
 #include <memory>
 #include <random>
+#include <string>
+#include <string_view>
 
 #include "server/intake/scene_file/scene_file.hpp"
 #include "server/service/commands/command_arguments.hpp"
@@ -38,7 +40,7 @@ namespace {
 using namespace std::chrono_literals;
 using service::DefinitionSample;
 using service::PoseSample;
-using wire_contract::RequestKind;
+using wire_contract::QuestionKind;
 
 constexpr double kMostCall_us = 10'000;
 /// A step looks at all that has moved; longer than this, and the server would be taken for dead.
@@ -49,7 +51,7 @@ struct Result {
   std::uint64_t inputs = 0;
   std::uint64_t not_finite = 0;
   double longest_us = 0;
-  const char* longest_kind = "";
+  std::string longest_kind;
   double longest_step_us = 0;
 };
 
@@ -167,7 +169,7 @@ class Border {
 
  private:
   template <class Call>
-  void timed(const char* kind, Call&& call) {
+  void timed(std::string_view kind, Call&& call) {
     const double before = thread_us();
     call();
     const double took = thread_us() - before;
@@ -253,7 +255,7 @@ class Border {
     query->error_asked = malice_.chance(0.9) ? 0 : malice_.number();
     query->deadline_ns = malice_.chance(0.95) ? 0 : static_cast<std::int64_t>(malice_.any_bits());
     static_cast<void>(dds::set_text(query->only, malice_.chance(0.9) ? "" : malice_.name()));
-    const std::uint32_t stride = wire_contract::numbers_of(static_cast<RequestKind>(query->kind));
+    const std::uint32_t stride = wire_contract::numbers_of(static_cast<QuestionKind>(query->kind));
     std::vector<double> numbers(malice_.chance(0.9) ? stride : malice_.below(30));
     for (double& number : numbers) number = malice_.number();
     test::put_questions(*query, numbers);
@@ -440,7 +442,7 @@ bool server_crashes(const std::string& server_path, std::uint64_t seed, std::uin
   if (!asker.greet()) return true;
   const auto is_well = [&] {
     dds::Sample<wire::Query> query;
-    query->kind = static_cast<std::uint8_t>(RequestKind::ray);
+    query->kind = static_cast<std::uint8_t>(QuestionKind::ray);
     query->mask = 0xffffffff;
     query->max_hits = 10;
     static_cast<void>(dds::set_text(query->only, "warehouse/*"));
@@ -468,7 +470,7 @@ int run(const std::string& server, std::uint64_t inputs) {
   crashes += server_crashes(server, seed, to_server) ? 1 : 0;
   std::printf("inputs=%llu crashes=%d nonfinite_past_gate=%llu max_call_us=%.0f (%s) max_step_us=%.0f\n",
               static_cast<unsigned long long>(result.inputs + to_server), crashes,
-              static_cast<unsigned long long>(result.not_finite), result.longest_us, result.longest_kind,
+              static_cast<unsigned long long>(result.not_finite), result.longest_us, result.longest_kind.c_str(),
               result.longest_step_us);
   return crashes == 0 && result.not_finite == 0 && result.longest_us <= kMostCall_us &&
                  result.longest_step_us <= kMostStep_us

@@ -97,9 +97,9 @@ TEST(WireColumns, AMessageWithOneShortColumnIsRefused) {
 }
 
 TEST(WireColumns, RowsComeBackAsTheyWere) {
-  using wire_contract::RequestKind;
-  for (const RequestKind kind : {RequestKind::ray, RequestKind::sphere, RequestKind::box, RequestKind::near,
-                                 RequestKind::sweep, RequestKind::inside}) {
+  using wire_contract::QuestionKind;
+  for (const QuestionKind kind : {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near,
+                                  QuestionKind::sweep, QuestionKind::inside}) {
     const wire::Columns<wire::Query> columns = wire::question_columns(kind);
     ASSERT_EQ(wire::width_of(columns), wire_contract::numbers_of(kind));
     dds::Sample<wire::Query> query;
@@ -110,7 +110,7 @@ TEST(WireColumns, RowsComeBackAsTheyWere) {
     EXPECT_EQ(test::rows_of(*query, columns), rows);
     std::vector<double> memory;
     const std::vector<double> none;
-    for (const RequestKind other : {RequestKind::ray, RequestKind::box, RequestKind::sphere, RequestKind::sweep}) {
+    for (const QuestionKind other : {QuestionKind::ray, QuestionKind::box, QuestionKind::sphere, QuestionKind::sweep}) {
       for (const wire::Column<wire::Query>& column : wire::question_columns(other)) {
         const bool is_own = std::any_of(columns.begin(), columns.end(),
                                         [&](const auto& own) { return own.sequence == column.sequence; });

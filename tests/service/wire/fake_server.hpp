@@ -227,9 +227,9 @@ class FakeServer {
   void take_queries(const dds::Taker<wire::Query>& taker) {
     while (taker.take(query_)) {
       if (!query_.info().valid_data || !answering) { continue; }
-      const auto kind = static_cast<wire_contract::RequestKind>(query_->kind);
+      const auto kind = static_cast<wire_contract::QuestionKind>(query_->kind);
       const std::string only = query_->only;
-      if (kind == wire_contract::RequestKind::hello) {
+      if (kind == wire_contract::QuestionKind::hello) {
         const std::lock_guard lock(mutex);
         hellos_.push_back({query_->client, query_->request});
         continue;
@@ -258,7 +258,7 @@ class FakeServer {
   void answer(const dds::Sample<wire::Query>& query) {
     dds::Writer<wire::Reply>* const writer = reply_writer(query->client);
     if (writer == nullptr) { return; }
-    if (static_cast<wire_contract::RequestKind>(query->kind) == wire_contract::RequestKind::command) {
+    if (static_cast<wire_contract::QuestionKind>(query->kind) == wire_contract::QuestionKind::command) {
       answer_command(*query, *writer);
     } else {
       answer_questions(*query, *writer);

@@ -96,7 +96,7 @@ class ClientReplay : public testing::Test {
     query->client = 9;
     query->request = request;
     query->chunk_count = 1;
-    query->kind = static_cast<std::uint8_t>(wire_contract::RequestKind::ray);
+    query->kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::ray);
     query->max_hits = 1;
     test::put_questions(*query, ray);
     file_.write(Recorded::query, log_time, *query);

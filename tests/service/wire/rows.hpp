@@ -26,7 +26,7 @@ void put_rows(Message& message, wire::Columns<Message> columns, std::span<const 
 /// Questions of the query's kind, a row each; as many numbers as are no whole row are left out.
 inline void put_questions(wire::Query& query, std::span<const double> rows) {
   wire::clear_questions(query);
-  put_rows(query, wire::question_columns(static_cast<wire_contract::RequestKind>(query.kind)), rows);
+  put_rows(query, wire::question_columns(static_cast<wire_contract::QuestionKind>(query.kind)), rows);
 }
 inline void put_poses(wire::PoseBatch& batch, std::span<const double> rows) {
   put_rows<wire::PoseBatch>(batch, wire::kPoseColumns, rows);
@@ -34,9 +34,9 @@ inline void put_poses(wire::PoseBatch& batch, std::span<const double> rows) {
 
 /// Of a copy that shares its sequences with another message: points to none of them.
 inline void forget_questions(wire::Query& copy) {
-  using wire_contract::RequestKind;
-  for (const RequestKind kind : {RequestKind::ray, RequestKind::sphere, RequestKind::box, RequestKind::near,
-                                 RequestKind::sweep, RequestKind::inside}) {
+  using wire_contract::QuestionKind;
+  for (const QuestionKind kind : {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near,
+                                  QuestionKind::sweep, QuestionKind::inside}) {
     for (const wire::Column<wire::Query>& column : wire::question_columns(kind)) copy.*column.sequence = {};
   }
 }

@@ -54,7 +54,7 @@ class Denier {
       if (!query_.info().valid_data) continue;
       const std::lock_guard lock(mutex_);
       client_ = query_->client;
-      if (writer_ && query_->kind == static_cast<std::uint8_t>(wire_contract::RequestKind::ray)) deny(*query_);
+      if (writer_ && query_->kind == static_cast<std::uint8_t>(wire_contract::QuestionKind::ray)) deny(*query_);
     }
   }
   void deny(const wire::Query& query) {

@@ -396,7 +396,7 @@ TEST(AskLimits, AreThoseThatTheRefusalNames) {
   const auto refusal = [&](const std::function<void(wire::Query&)>& change) {
     Ask ask;
     wire::Query& query = *ask.query;
-    query.kind = static_cast<std::uint8_t>(wire_contract::RequestKind::ray);
+    query.kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::ray);
     query.chunk_count = 1;
     query.max_hits = 1;
     test::put_questions(query, ray);

@@ -8,15 +8,15 @@ namespace collided::engine::service {
 namespace {
 
 using wire_contract::AskedInstant;
-using wire_contract::RequestKind;
+using wire_contract::QuestionKind;
 
 class ShortQuestionsTest : public ::testing::Test {
  protected:
   ShortQuestionsTest() {
     query_.chunk_count = 1;
-    set(RequestKind::ray, wire_contract::kRayNumbers);
+    set(QuestionKind::ray, wire_contract::kRayNumbers);
   }
-  void set(RequestKind kind, std::uint32_t numbers) {
+  void set(QuestionKind kind, std::uint32_t numbers) {
     query_.kind = static_cast<std::uint8_t>(kind);
     rows_.assign(numbers, 0);
     wire::clear_questions(query_);
@@ -30,9 +30,9 @@ class ShortQuestionsTest : public ::testing::Test {
 
 TEST_F(ShortQuestionsTest, OneQuestionIsShortAndMoreAreNot) {
   EXPECT_TRUE(questions_.is_short(query_, 0));
-  set(RequestKind::ray, 2 * wire_contract::kRayNumbers);
+  set(QuestionKind::ray, 2 * wire_contract::kRayNumbers);
   EXPECT_FALSE(questions_.is_short(query_, 0));
-  set(RequestKind::near, wire_contract::kNearNumbers);
+  set(QuestionKind::near, wire_contract::kNearNumbers);
   EXPECT_TRUE(questions_.is_short(query_, 0));
   query_.chunk_count = 2;
   EXPECT_FALSE(questions_.is_short(query_, 0));
@@ -49,7 +49,7 @@ TEST_F(ShortQuestionsTest, AQuestionAboutAnEarlierInstantIsNot) {
 }
 
 TEST_F(ShortQuestionsTest, CommandsAndGreetingsAreNot) {
-  for (const RequestKind kind : {RequestKind::command, RequestKind::hello}) {
+  for (const QuestionKind kind : {QuestionKind::command, QuestionKind::hello}) {
     set(kind, 0);
     EXPECT_FALSE(questions_.is_short(query_, 0));
   }
