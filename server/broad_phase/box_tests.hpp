@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "server/geometry/aabb.hpp"
 #include "server/geometry/ray.hpp"
 #include "server/geometry/vector.hpp"
 
@@ -40,6 +41,12 @@ template <class Box>
 SlabSpan clip(const Ray& ray, const Box& box, double limit) {
   SlabSpan span{0, limit};
   for (int axis = 0; axis < 3 && span.entry <= span.exit; ++axis) clip(ray, axis, box.low(axis), box.high(axis), span);
+  return span;
+}
+
+inline SlabSpan clip(const Ray& ray, const Aabb& box, double limit) {
+  SlabSpan span{0, limit};
+  for (int axis = 0; axis < 3 && span.entry <= span.exit; ++axis) clip(ray, axis, box.low[axis], box.high[axis], span);
   return span;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "server/broad_phase/box_tests.hpp"
 #include "server/broad_phase/grid/grid_levels.hpp"
 #include "server/broad_phase/grid/grid_walk.hpp"
 
@@ -30,8 +31,12 @@ struct Grid::Storage {
   std::shared_ptr<grid::RebuildScratch> scratch = std::make_shared<grid::RebuildScratch>();
   std::size_t box_count = 0;     // that it was last rebuilt or updated with, empty ones included
   std::size_t hidden_count = 0;  // boxes of base that are not empty there and hidden
+  Aabb reach;                    // holds all boxes, and where some were since the last rebuild
   std::unique_ptr<Grid> over;    // of newer_boxes, numbered by their place in there; null or old while there are none
 
+  void extend_reach(const Aabb& box) {
+    if (!box.empty()) reach.extend(box);
+  }
   bool hides(std::uint32_t number) const {
     return number / 64 < is_newer.size() && (is_newer[number / 64] >> number % 64 & 1) != 0;
   }
@@ -59,6 +64,8 @@ void Grid::rebuild(std::span<const Aabb> boxes) {
   s.box_count = boxes.size();
   if (s.base.use_count() > 1) s.base = std::make_shared<grid::Levels>();
   s.base->rebuild(boxes, s.use == Use::questions, *s.scratch);
+  s.reach = Aabb{};
+  for (const Aabb& box : boxes) s.extend_reach(box);
 }
 
 void Grid::update(const Grid& before, std::span<const Aabb> boxes, std::span<const std::uint32_t> changed) {
@@ -74,9 +81,11 @@ void Grid::update(const Grid& before, std::span<const Aabb> boxes, std::span<con
   s.newer_boxes = old.newer_boxes;
   s.is_newer = old.is_newer;
   s.hidden_count = old.hidden_count;
+  s.reach = old.reach;
   s.is_newer.resize(boxes.size() / 64 + 1);
   std::vector<std::uint32_t> again;
   for (const std::uint32_t number : changed) {
+    s.extend_reach(boxes[number]);
     if (s.hides(number)) again.push_back(number);
     else s.hide(number, boxes[number]);
   }
@@ -163,6 +172,9 @@ void Grid::walk_both(double limit, const Found& found, const WalkBase& walk_base
 }
 
 void Grid::walk_ray(const Ray& ray, double limit, RayFound found, WalkCost& cost) const {
+  // Most rays pass by all that moves.
+  const SlabSpan span = clip(ray, storage_->reach, limit);
+  if (!(span.entry <= span.exit)) return;
   walk_both(
       limit, found,
       [&](const grid::Levels& levels, double from, RayFound tell) { grid::walk_ray(levels, ray, from, tell, cost); },

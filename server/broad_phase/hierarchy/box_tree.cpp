@@ -83,22 +83,18 @@ void set_children(std::span<const bvh::Primitive> few, Node& node) {
 }  // namespace
 
 struct BoxTreeNodes {
-  /// As clip and is_within take boxes.
-  struct SlabBox {
+  /// A box that is tested by itself.
+  struct Outlier {
+    std::uint32_t number;
     Aabb box;
 
     double low(int axis) const { return box.low[axis]; }
     double high(int axis) const { return box.high[axis]; }
   };
-  /// A box that is tested by itself.
-  struct Outlier : SlabBox {
-    std::uint32_t number;
-  };
 
   bvh::Layout layout;  // its nodes are those below
   std::vector<Node> nodes;
   std::vector<FloatBox> node_bounds;
-  SlabBox reach;                  // of the boxes in the tree
   std::vector<Outlier> outliers;  // not in the tree: without end, or far from the rest
   std::size_t box_count = 0;      // in the tree
   double built_weight = 0;        // what weight() gave when the tree was built
@@ -146,7 +142,7 @@ void BoxTreeNodes::set_aside(std::span<const Aabb> boxes) {
   for (std::uint32_t i = 0; i < boxes.size(); ++i) {
     if (boxes[i].empty()) continue;
     if (!is_bounded(boxes[i])) {
-      outliers.push_back({{boxes[i]}, i});
+      outliers.push_back({i, boxes[i]});
       continue;
     }
     bounded.push_back(i);
@@ -166,7 +162,7 @@ void BoxTreeNodes::set_aside(std::span<const Aabb> boxes) {
   std::vector<Outlier> far;
   for (const std::uint32_t i : bounded) {
     const double away_m = (boxes[i].low - middle).cwiseAbs().cwiseMax((boxes[i].high - middle).cwiseAbs()).maxCoeff();
-    if (!(away_m <= kSharpReach * size_m)) far.push_back({{boxes[i]}, i});
+    if (!(away_m <= kSharpReach * size_m)) far.push_back({i, boxes[i]});
   }
   // Where they are many, they are no outliers.
   if (far.size() <= kMostOutliers) outliers.insert(outliers.end(), far.begin(), far.end());
@@ -216,7 +212,6 @@ bool BoxTreeNodes::fit(std::span<const Aabb> boxes) {
     if (other.number >= boxes.size() || boxes[other.number].empty()) return false;
     other.box = boxes[other.number];
   }
-  reach.box = Aabb{};
   for (std::size_t i = nodes.size(); i-- > 0;) {
     Node& node = nodes[i];
     FloatBox& whole = node_bounds[i] = FloatBox{};
@@ -228,7 +223,6 @@ bool BoxTreeNodes::fit(std::span<const Aabb> boxes) {
         if (number >= boxes.size() || boxes[number].empty()) return false;
         box = float_box(layout.frame, boxes[number]);
         if (!is_within_frame(box)) return false;
-        reach.box.extend(boxes[number]);
       } else {
         box = node_bounds[child];
       }
@@ -278,10 +272,7 @@ void BoxTree::walk_ray(const Ray& ray, double limit, RayFound found, WalkCost& c
     limit = found(other.number, limit);
     if (!(limit >= 0)) return;
   }
-  if (s.box_count == 0 || !(limit >= 0)) return;
-  // Most rays pass by what moves; this costs a quarter of what a ray's start in the tree does.
-  const SlabSpan span = clip(ray, s.reach, limit);
-  if (span.entry <= span.exit) bvh::walk_ray_boxes(s.layout, ray, limit, found, cost);
+  if (s.box_count > 0 && limit >= 0) bvh::walk_ray_boxes(s.layout, ray, limit, found, cost);
 }
 
 void BoxTree::walk_near(const Vec3& point, double limit_m2, NearFound found, WalkCost& cost) const {
