@@ -22,6 +22,7 @@ using codes::Importance;
 using codes::InstantKind;
 using codes::LostPolicy;
 using codes::MemberRole;
+using codes::name_of;
 using codes::ProbeState;
 using codes::PublisherState;
 using codes::QuestionKind;
@@ -29,7 +30,6 @@ using codes::ReplyStatus;
 using codes::ServerState;
 using codes::UndecidedReason;
 using codes::Verdict;
-using codes::name_of;
 
 /// The triangle of a primitive, which has none.
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <map>
 #include <mutex>
 #include <optional>
 #include <string>
@@ -84,6 +85,37 @@ class WireAsker {
       return true;
     });
     return found;
+  }
+  /// The replies to one message of questions, by their first question: they may come in any order.
+  using Replies = std::map<std::uint32_t, Heard>;
+  /// Sends a message of so many questions; all its replies, or those that came in time.
+  Replies ask_all(wire::Query& query, std::size_t question_count,
+                  std::chrono::milliseconds wait = std::chrono::seconds(30)) {
+    send(query);
+    Replies replies;
+    for (std::size_t answered = 0; answered < question_count;) {
+      std::optional<Heard> heard = reply_to(query.request, wait);
+      if (!heard) break;
+      answered += heard->answers.size();
+      const std::uint32_t first = heard->first_question;
+      replies.emplace(first, std::move(*heard));
+    }
+    return replies;
+  }
+  /// As one reply. A question without an answer, or with two, leaves out what follows.
+  static Heard whole(const Replies& replies) {
+    Heard all;
+    for (const auto& [first, part] : replies) {
+      if (first != all.answers.size()) break;
+      const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+      append(all.answers, part.answers);
+      append(all.reasons, part.reasons);
+      append(all.hit_counts, part.hit_counts);
+      append(all.triangles, part.triangles);
+      append(all.objects, part.objects);
+      append(all.numbers, part.numbers);
+    }
+    return all;
   }
   /// Replies that nobody will ask for.
   void forget_replies() {

@@ -19,40 +19,19 @@ class ServerWireSharing : public testing_support::ServerProcess {
  protected:
   static constexpr std::size_t kQuestions = 1'000;
 
-  /// The replies to one message of questions, by their first question.
-  using Replies = std::map<std::uint32_t, WireAsker::Heard>;
-  static Replies ask(WireAsker& asker, QuestionKind kind, const std::vector<double>& numbers) {
+  static WireAsker::Replies ask(WireAsker& asker, QuestionKind kind, const std::vector<double>& numbers) {
     dds::Sample<wire::Query> query;
     query->kind = static_cast<std::uint8_t>(kind);
     query->mask = 0xffffffff;
     query->max_hits = 8;
     test::put_questions(*query, numbers);
-    asker.send(*query);
-    Replies replies;
-    std::size_t answered = 0;
-    while (answered < kQuestions) {
-      const std::optional<WireAsker::Heard> heard = asker.reply_to(query->request, 20s);
-      if (!heard) break;
-      answered += heard->answers.size();
-      replies.emplace(heard->first_question, *heard);
-    }
-    EXPECT_EQ(answered, kQuestions);
-    return replies;
+    return asker.ask_all(*query, kQuestions);
   }
-  /// All of them as one, and whether each question has one answer.
-  static WireAsker::Heard whole(const Replies& replies) {
-    WireAsker::Heard all;
-    for (const auto& [first, part] : replies) {
-      EXPECT_EQ(first, all.answers.size()) << "each question is answered once";
+  static WireAsker::Heard whole(const WireAsker::Replies& replies) {
+    for (const auto& [first, part] : replies)
       EXPECT_EQ(part.version, replies.begin()->second.version) << "on one state";
-      const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
-      append(all.answers, part.answers);
-      append(all.reasons, part.reasons);
-      append(all.hit_counts, part.hit_counts);
-      append(all.triangles, part.triangles);
-      append(all.objects, part.objects);
-      append(all.numbers, part.numbers);
-    }
+    WireAsker::Heard all = WireAsker::whole(replies);
+    EXPECT_EQ(all.answers.size(), kQuestions) << "each question is answered once";
     return all;
   }
   std::vector<double> questions(QuestionKind kind) {
@@ -79,7 +58,7 @@ TEST_F(ServerWireSharing, AnswersAreTheSameToTheBitFromAnyNumberOfThreads) {
     WireAsker asker(domain_);
     ASSERT_TRUE(asker.greet());
     for (const auto& [kind, numbers] : asked) {
-      Replies replies = ask(asker, kind, numbers);
+      WireAsker::Replies replies = ask(asker, kind, numbers);
       if (threads[0] == '1') {
         expected[kind] = whole(replies);
         continue;

@@ -60,22 +60,21 @@ TEST_F(ServerWire, RaysOfTheEmbeddedSceneEqualBruteForce) {
   }
   dds::Sample<wire::Query> query;
   set(*query, QuestionKind::ray, numbers);
-  const auto reply = asker->ask(*query);
-  ASSERT_TRUE(reply);
-  ASSERT_EQ(reply->answers.size(), 1'000U) << reply->text;
+  const WireAsker::Heard reply = WireAsker::whole(asker->ask_all(*query, 1'000));
+  ASSERT_EQ(reply.answers.size(), 1'000U);
   Answers expected;
   Questions questions;
   questions.numbers = numbers;
   oracle::answer(*twin.newest(), questions, expected);
   std::size_t hit = 0;
   for (std::size_t i = 0; i < 1'000; ++i) {
-    ASSERT_EQ(reply->answers[i], static_cast<std::uint8_t>(expected.answers[i])) << i;
-    ASSERT_EQ(reply->hit_counts[i], expected.hit_counts[i]) << i;
+    ASSERT_EQ(reply.answers[i], static_cast<std::uint8_t>(expected.answers[i])) << i;
+    ASSERT_EQ(reply.hit_counts[i], expected.hit_counts[i]) << i;
     for (std::uint32_t h = 0; h < expected.hit_counts[i]; ++h, ++hit) {
       // Both worlds load the same scene in the same order, so even the ids are the same.
-      ASSERT_EQ(reply->objects[hit], expected.hits[hit].object) << i;
-      ASSERT_EQ(reply->triangles[hit], expected.hits[hit].triangle) << i;
-      ASSERT_EQ(reply->numbers[hit * wire_contract::kHitNumbers], expected.hits[hit].distance_m) << i;
+      ASSERT_EQ(reply.objects[hit], expected.hits[hit].object) << i;
+      ASSERT_EQ(reply.triangles[hit], expected.hits[hit].triangle) << i;
+      ASSERT_EQ(reply.numbers[hit * wire_contract::kHitNumbers], expected.hits[hit].distance_m) << i;
     }
   }
   EXPECT_GT(hit, 300U);
@@ -171,22 +170,12 @@ TEST_F(ServerWire, LargeAnswersAreSplitAndNothingIsLost) {
   for (std::size_t i = 0; i < kQuestions; ++i) numbers.insert(numbers.end(), {0, 0, 0, 100});
   dds::Sample<wire::Query> query;
   set(*query, QuestionKind::sphere, numbers);
-  asker->send(*query);
-  std::size_t questions = 0;
-  std::size_t hits = 0;
-  std::size_t replies = 0;
-  while (questions < kQuestions) {
-    const auto reply = asker->reply_to(query->request, 30s);
-    ASSERT_TRUE(reply);
-    ASSERT_EQ(reply->first_question, questions);
-    ASSERT_LE(reply->objects.size(), wire_contract::kMaxHitsPerChunk);
-    questions += reply->answers.size();
-    hits += reply->objects.size();
-    ++replies;
-  }
-  EXPECT_EQ(questions, kQuestions);
-  EXPECT_EQ(hits, kQuestions * 31);  // 25 parts and 6 pallets each
-  EXPECT_GT(replies, 1U);
+  const WireAsker::Replies replies = asker->ask_all(*query, kQuestions);
+  for (const auto& [first, reply] : replies) EXPECT_LE(reply.objects.size(), wire_contract::kMaxHitsPerChunk);
+  const WireAsker::Heard all = WireAsker::whole(replies);
+  EXPECT_EQ(all.answers.size(), kQuestions);
+  EXPECT_EQ(all.objects.size(), kQuestions * 31);  // 25 parts and 6 pallets each
+  EXPECT_GT(replies.size(), 1U);
 }
 
 class HostilePublisher : public ServerWire {

@@ -24,7 +24,8 @@ class MenuTable {
  public:
   MenuTable(std::string_view asked_of, std::vector<MenuMethod> methods)
       : methods_(std::move(methods)), times_ns_(methods_.size()) {
-    for (const MenuMethod& method : methods_) rows_.push_back({.asked_of = std::string(asked_of), .method = method.name});
+    for (const MenuMethod& method : methods_)
+      rows_.push_back({.asked_of = std::string(asked_of), .method = method.name});
   }
   const std::vector<MenuMethod>& methods() const { return methods_; }
   MenuRow& row(std::size_t method) { return rows_[method]; }

@@ -44,7 +44,8 @@ void run_crowds(const Options& options, const std::mt19937_64& seeded) {
         std::mt19937_64 random = seeded;
         AskedCrowd crowd(count, side_m, has_hills ? (options.quick ? 50 : 400) : 0, random);
         for (const QuestionKind kind : kKinds)
-          run_questions(options, {.scene = scene, .size = count, .name = std::string(name_of(kind))}, crowd, kind, side_m, random);
+          run_questions(options, {.scene = scene, .size = count, .name = std::string(name_of(kind))}, crowd, kind,
+                        side_m, random);
       }
     }
   }
@@ -54,8 +55,8 @@ void run_crowds(const Options& options, const std::mt19937_64& seeded) {
     std::mt19937_64 random = seeded;
     ManyScenes scenes(count, side_m, random);
     for (const QuestionKind kind : {QuestionKind::ray, QuestionKind::near})
-      run_questions(options, {.scene = "many scenes", .size = count, .name = std::string(name_of(kind))}, scenes, kind, side_m,
-                    random);
+      run_questions(options, {.scene = "many scenes", .size = count, .name = std::string(name_of(kind))}, scenes, kind,
+                    side_m, random);
   }
 }
 
