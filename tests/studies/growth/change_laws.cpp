@@ -40,7 +40,7 @@ std::vector<Law> change_laws(const GrowthSetting& setting) {
        .theory = {0},
        .reason = "trees of more than some 1,000 scenes are larger than the caches"},
       {.knob = "pile", .what = "one of them moves: step", .unit = "us", .theory = {1}}};
-  for (const double size : half_decades(1'000, setting.quick ? 10'000 : 1e6)) {
+  for (const double size : half_decades(100, setting.quick ? 10'000 : 1e6)) {
     bench::JoiningCrowd crowd(static_cast<std::size_t>(size), std::mt19937_64(setting.seed));
     laws[0].samples.push_back(sample_of(size, repeated([&] { return crowd.ask_in_turn(); })));
     laws[1].samples.push_back(sample_of(size, repeated([&] { return crowd.ask_after_join(); })));
@@ -49,7 +49,7 @@ std::vector<Law> change_laws(const GrowthSetting& setting) {
     std::printf("%.0f objects\n", size);
     std::fflush(stdout);
   }
-  for (const double size : half_decades(10, setting.quick ? 100 : 10'000)) {
+  for (const double size : half_decades(10, setting.quick ? 1'000 : 10'000)) {
     std::mt19937_64 random(setting.seed);
     const double side_m = 4 * std::cbrt(size);
     bench::ManyScenes scenes(static_cast<std::size_t>(size), side_m, random);
@@ -62,7 +62,7 @@ std::vector<Law> change_laws(const GrowthSetting& setting) {
     std::printf("%.0f scenes\n", size);
     std::fflush(stdout);
   }
-  for (const double size : half_decades(30, setting.quick ? 300 : 3'000)) {
+  for (const double size : half_decades(10, setting.quick ? 1'000 : 3'000)) {
     bench::BoxPile pile(static_cast<std::size_t>(size), std::mt19937_64(setting.seed));
     laws[5].samples.push_back(sample_of(size, repeated([&] { return pile.move_one(); })));
     std::printf("pile of %.0f\n", size);

@@ -75,8 +75,8 @@ int main(int argc, char** argv) try {
   growth::write_samples(out / "growth.csv", laws, a.from);
   const report::Heading heading{"Collided: how it grows",
                                 "Whole answers and whole steps, as users get them, from a thousand to ten million "
-                                "triangles, a hundred to a million movers and contacts, a thousand to a million "
-                                "objects of which few change, one to 64 clients.",
+                                "triangles, a hundred to a million movers, contacts and "
+                                "objects of which few change, ten to ten thousand scenes, one to 64 clients.",
                                 "growth.csv"};
   std::ofstream(out / "growth.html") << report::page(growth::growth_figures(laws), a.from, report::today(), heading);
   fmt::print("{}{}\n", table, (out / "growth.html").string());
