@@ -1,6 +1,6 @@
 #include "client/cli/global_options.hpp"
 
-#include <CLI/CLI.hpp>
+#include "client/cli/input/option.hpp"
 
 namespace collided::cli {
 
@@ -10,33 +10,31 @@ void declare_globals(CLI::App& app, Globals& globals) {
   app.add_flag("--csv", globals.csv, "CSV with a header")->group(output);
   app.add_flag("--plain", globals.plain, "Fields apart by tabs, no header (the default off a terminal)")->group(output);
   app.add_flag("--table", globals.table, "For people (the default on a terminal)")->group(output);
-  app.add_option("--fields", globals.fields, "Only these fields, in this order: a,b,c; 'help' lists them")
+  option(app, "--fields NAMES", globals.fields, "Only these fields, in this order: a,b,c; 'help' lists them")
       ->group(output);
   app.add_flag("--header", globals.header, "Names of the columns above plain output")->group(output);
   app.add_flag("-q,--quiet", globals.quiet, "Data only: no hints, no progress")->group(output);
   app.add_flag("-v,--verbose", globals.verbose, "Every digit, with bounds, and what the answer cost")->group(output);
-  app.add_option("--color", globals.color, "auto, always or never")
+  option(app, "--color WHEN", globals.color, "auto, always or never")
       ->check(CLI::IsMember({"auto", "always", "never"}))
       ->group(output);
   app.add_flag("--exit-zero", globals.exit_zero, "Exit 0 for 'no' and 'undecided' too")->group(output);
   const std::string connection(kConnectionGroup);
-  app.add_option("--domain", globals.domain, "DDS domain (COLLIDED_DOMAIN, ROS_DOMAIN_ID, 0)")->group(connection);
-  app.add_option("--namespace", globals.name_space, "Of the server (COLLIDED_NAMESPACE, 'collided')")
+  option(app, "--domain N", globals.domain, "DDS domain (COLLIDED_DOMAIN, ROS_DOMAIN_ID, 0)")->group(connection);
+  option(app, "--namespace NAME", globals.name_space, "Of the server (COLLIDED_NAMESPACE, 'collided')")
       ->group(connection);
-  app.add_option("--interface", globals.interface, "lo, eth0, auto (COLLIDED_INTERFACE, lo)")->group(connection);
-  app.add_option("--peer", globals.peers, "Host to look for the server on; repeatable")
+  option(app, "--interface NAME", globals.interface, "lo, eth0, auto (COLLIDED_INTERFACE, lo)")->group(connection);
+  option(app, "--peer HOST", globals.peers, "Host to look for the server on; repeatable")
       ->allow_extra_args(false)
       ->group(connection);
-  app.add_option("--keys", globals.keys, "Folder of keys, where the server has some (COLLIDED_KEYS)")
+  option(app, "--keys DIR", globals.keys, "Folder of keys, where the server has some (COLLIDED_KEYS)")
       ->group(connection);
-  app.add_option(
-         "--shards", globals.shards,
+  option(app, "--shards MAP", globals.shards,
          "Shard map of a world on several servers, a file or etcd://HOST:PORT/KEY, in place of one; see help fleets")
       ->group(connection);
-  app.add_option("--wait", globals.wait,
-                 "At most so long for a server to answer hello (2s, and more on a busy machine)")
+  option(app, "--wait", globals.wait, "At most so long for a server to answer hello (2s, and more on a busy machine)")
       ->group(connection);
-  app.add_option("--timeout", globals.timeout, "How long one answer may take")->group(connection);
+  option(app, "--timeout", globals.timeout, "How long one answer may take")->group(connection);
 }
 
 void declare_verb(CLI::App& app, Command& command, Globals& globals) {

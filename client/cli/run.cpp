@@ -7,12 +7,12 @@
 #include <string_view>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/global_options.hpp"
 #include "client/cli/input/line_reader.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/input/prompt.hpp"
 #include "client/cli/input/tokens.hpp"
 #include "client/cli/output/help.hpp"
@@ -33,14 +33,6 @@ std::size_t verb_position(const std::vector<std::string>& tokens) {
     if (takes_value) ++at;
   }
   return tokens.size();
-}
-
-std::vector<std::string> option_names(CLI::App& app) {
-  std::vector<std::string> names;
-  for (const CLI::Option* option : app.get_options()) {
-    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-  }
-  return names;
 }
 
 /// Throws Failure for arguments that the parser did not take.

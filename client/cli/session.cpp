@@ -93,13 +93,13 @@ ConnectOptions connect_options(const Io& io, const Globals& globals) {
     return io.env(name);
   }));
   options.peers = globals.peers;
-  options.wait_is_limit = !globals.wait.empty();
-  if (options.wait_is_limit) options.wait = parse_duration(globals.wait);
+  options.wait_is_limit = globals.wait.has_value();
+  options.wait = globals.wait.value_or(options.wait);
   return options;
 }
 
 std::chrono::nanoseconds timeout_of(const Globals& globals, std::chrono::nanoseconds otherwise) {
-  return globals.timeout.empty() ? otherwise : parse_duration(globals.timeout);
+  return globals.timeout.value_or(otherwise);
 }
 
 Failure as_failure(const Error& error) {

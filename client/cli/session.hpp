@@ -34,8 +34,8 @@ struct Globals {
   std::vector<std::string> peers;
   std::string keys;
   std::string shards;  // a shard map: a file, or its address in etcd
-  std::string wait;
-  std::string timeout;
+  std::optional<std::chrono::nanoseconds> wait;
+  std::optional<std::chrono::nanoseconds> timeout;
 };
 
 /// The process's connection to the server, made when a verb first needs it. The verbs of `collide -` share it. One

@@ -2,7 +2,6 @@
 
 #include <array>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/global_options.hpp"
@@ -10,7 +9,7 @@
 #include "client/cli/output/terminal_width.hpp"
 #include "client/cli/output/suggest.hpp"
 #include "client/cli/output/wrapping.hpp"
-#include "client/cli/output/metavars.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/input/shape_text.hpp"
 
 namespace collided::cli {
@@ -31,19 +30,10 @@ std::string lines_after_collide(std::string_view text) {
   return lines;
 }
 
-std::string_view metavar(std::string_view verb, const CLI::Option& option) {
-  for (const std::string& name : option.get_lnames()) {
-    if (const std::string_view known = metavar_of(verb, "--" + name); !known.empty()) return known;
-  }
-  for (const std::string& name : option.get_snames()) {
-    if (const std::string_view known = metavar_of(verb, "-" + name); !known.empty()) return known;
-  }
-  return "VALUE";
-}
-
-std::string option_line(std::string_view verb, const CLI::Option& option) {
+std::string option_line(const CLI::Option& option) {
   std::string names = option.get_name(false, true);
-  if (option.get_items_expected_max() > 0) names += " " + std::string(metavar(verb, option));
+  const std::string value = option.get_type_name();  // of a choice "AXIS:{y,z}"
+  if (option.get_items_expected_max() > 0) names += " " + value.substr(0, value.find(":{"));
   std::string line = "  " + names;
   const bool has_room = line.size() + 1 < kOptionColumn;
   line += has_room ? std::string(kOptionColumn - line.size(), ' ') : '\n' + std::string(kOptionColumn, ' ');
@@ -55,7 +45,7 @@ std::string option_line(std::string_view verb, const CLI::Option& option) {
 }
 
 /// Prints the parser's own options or, with `common`, those that every verb has.
-void print_options(Io& io, std::string_view verb, const CLI::App& app, bool common) {
+void print_options(Io& io, const CLI::App& app, bool common) {
   std::vector<std::string> groups;
   for (const CLI::Option* option : app.get_options()) {
     const bool known = std::find(groups.begin(), groups.end(), option->get_group()) != groups.end();
@@ -67,7 +57,7 @@ void print_options(Io& io, std::string_view verb, const CLI::App& app, bool comm
     for (const CLI::Option* option : app.get_options()) {
       const bool positional = option->get_positional();
       const bool is_help = option->get_name(false, true) == "-h,--help";
-      if (option->get_group() == group && !positional && !is_help) lines += option_line(verb, *option);
+      if (option->get_group() == group && !positional && !is_help) lines += option_line(*option);
     }
     if (!lines.empty()) io.out << '\n' << group << '\n' << lines;
   }
@@ -96,7 +86,7 @@ void print_guide(Session& session, const Globals& globals, const Guide& guide) {
 
 class HelpCommand : public Command {
  public:
-  void declare(CLI::App& app) override { app.add_option("verb", verb_, "Verb to explain, or guide to read"); }
+  void declare(CLI::App& app) override { option(app, "verb TOPIC", verb_, "Verb to explain, or guide to read"); }
   Exit run(Session& session, const Globals& globals) override {
     if (verb_.empty()) {
       print_help(session.io);
@@ -165,14 +155,14 @@ void print_common_options(Io& io) {
   app.set_help_flag();
   Globals ignored;
   declare_globals(app, ignored);
-  print_options(io, {}, app, true);
+  print_options(io, app, true);
 }
 
 void print_verb_help(Io& io, const Verb& verb, const CLI::App& app) {
   io.out << wrapped(fmt::format("collide {} - {}", verb.name, verb.summary), kHelpColumns) << "\n\n"
          << lines_after_collide(verb.usage);
   if (verb.takes_shape) io.out << "\nShapes\n" << kShapeTable;
-  print_options(io, verb.name, app, false);
+  print_options(io, app, false);
   if (!verb.examples.empty()) io.out << "\nExamples\n" << lines_after_collide(verb.examples);
   io.out << "\nOutput and connection: collide help options\n";
 }

@@ -1,40 +1,60 @@
 #include "client/cli/verbs/ask_options.hpp"
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/input/time_text.hpp"
 #include "client/cli/server_command.hpp"
 #include "idl/commands.hpp"
 
 namespace collided::cli {
 
-void declare_ask_options(CLI::App& app, AskTexts& texts) {
-  app.add_option("--only", texts.only, "Objects whose name matches this glob (* ? [..])");
-  app.add_option("--skip", texts.skip, "Not objects whose name matches this glob");
-  app.add_option("--mask", texts.mask, "Layers that may answer: bits, 0x3 or 0b11");
-  app.add_option("--max-hits", texts.max_hits, "Hits of one question; with more it is undecided (1000)");
-  app.add_option("--within", texts.within, "Error that is good enough: 1um (0: exact on doubt)");
-  app.add_option("--deadline", texts.deadline, "Answers later than this are undecided: 200us");
-  app.add_option("--importance", texts.importance, "low: refused first by an overloaded server; high: never (normal)");
-  app.add_option("--as-of", texts.as_of,
-                 "All objects at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its "
-                 "newest pose)");
-  app.add_flag("--fresh", texts.fresh, "Answer after this connection's own last write");
-}
-
-void declare_mesh_reading(CLI::App& app, MeshReading& reading) {
-  app.add_option("--unit", reading.unit, "Of the file of a mesh or hull: mm, in, ... or metres a unit");
-  app.add_option("--up", reading.up, "Axis of that file that points up: y or z")->check(CLI::IsMember({"y", "z"}));
-}
+namespace {
 
 Importance parse_importance(const std::string& text) {
   if (text.empty() || text == "normal") return Importance::normal;
   if (text == "low") return Importance::low;
   if (text == "high") return Importance::high;
   throw bad_use("--importance " + text + " is not known; allowed: low, normal, high");
+}
+
+std::uint32_t parse_max_hits(const std::string& text) {
+  const std::uint64_t count = parse_count(text, 1);
+  if (count > 0xffffffff) throw bad_use("--max-hits " + text + " is above 4294967295");
+  return static_cast<std::uint32_t>(count);
+}
+
+}  // namespace
+
+void declare_ask_options(CLI::App& app, AskOptions& options) {
+  option(app, "--only GLOB", options.only, "Objects whose name matches this glob (* ? [..])");
+  option(app, "--skip GLOB", options.skip, "Not objects whose name matches this glob");
+  option(app, "--mask", options.mask, "Layers that may answer: bits, 0x3 or 0b11");
+  read_option(app, "--max-hits N", options.max_hits, "Hits of one question; with more it is undecided (1000)",
+              parse_max_hits);
+  option(app, "--within", Measure::length, options.error_m, "Error that is good enough: 1um (0: exact on doubt)");
+  option(app, "--deadline", options.deadline, "Answers later than this are undecided: 200us");
+  declare_importance(app, options.importance);
+  declare_instant(app, options.as_of,
+                  "All objects at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its "
+                  "newest pose)");
+  app.add_flag("--fresh", options.fresh, "Answer after this connection's own last write");
+}
+
+void declare_importance(CLI::App& app, Importance& importance) {
+  read_option(app, "--importance LEVEL", importance, "low: refused first by an overloaded server; high: never (normal)",
+              parse_importance);
+}
+
+void declare_instant(CLI::App& app, Instant& instant, std::string meaning) {
+  read_option(app, "--as-of TIME", instant, std::move(meaning), parse_instant);
+}
+
+void declare_mesh_reading(CLI::App& app, MeshReading& reading) {
+  option(app, "--unit UNIT", reading.unit, "Of the file of a mesh or hull: mm, in, ... or metres a unit");
+  option(app, "--up AXIS", reading.up, "Axis of that file that points up: y or z")->check(CLI::IsMember({"y", "z"}));
 }
 
 Instant parse_instant(const std::string& text) {
@@ -45,26 +65,6 @@ Instant parse_instant(const std::string& text) {
   if (time.since == RunTime::Since::begin) throw bad_use("--as-of " + text + " is no instant", kInstants);
   if (time.since == RunTime::Since::end) return {.kind = Instant::Kind::back, .time = -time.offset};
   return {.kind = Instant::Kind::at, .time = time.offset};
-}
-
-AskOptions ask_options_of(const AskTexts& texts, const Globals& globals) {
-  AskOptions options;
-  options.only = texts.only;
-  options.skip = texts.skip;
-  if (!texts.mask.empty()) options.mask = parse_bits(texts.mask);
-  if (!texts.max_hits.empty()) {
-    const std::uint64_t count = parse_count(texts.max_hits, 1);
-    if (count > 0xffffffff) throw bad_use("--max-hits " + texts.max_hits + " is above 4294967295");
-    options.max_hits = static_cast<std::uint32_t>(count);
-  }
-  if (!texts.within.empty()) options.error_m = parse_finite(texts.within, Measure::length);
-  if (options.error_m < 0) throw bad_use("--within " + texts.within + " is below 0");
-  if (!texts.deadline.empty()) options.deadline = parse_duration(texts.deadline);
-  options.timeout = timeout_of(globals);
-  options.fresh = texts.fresh;
-  options.as_of = parse_instant(texts.as_of);
-  options.importance = parse_importance(texts.importance);
-  return options;
 }
 
 void hint_at_unknown_names(Session& session, const Globals& globals, std::string_view option, const std::string& glob) {

@@ -17,9 +17,8 @@ Exit publish_map(Session& session, const Globals& globals, const FleetPublishOpt
                   "collide fleet publish --shards FILE --to etcd://HOST:PORT/KEY: servers and clients read it there");
   const auto patience = connect_options(session.io, globals).wait;
   const shards::ShardMap map = take_map(globals.shards, patience).map;
-  const std::int64_t in_place_of =
-      options.revision.empty() ? 0 : static_cast<std::int64_t>(parse_count(options.revision, 1));
-  const std::int64_t revision = write_map(map, options.to, in_place_of, patience);
+  const std::int64_t revision =
+      write_map(map, options.to, static_cast<std::int64_t>(options.revision.value_or(0)), patience);
   Printer printer = make_printer(session.io, globals);
   printer.set_usual_fields({"map", "shards", "revision"});
   if (printer.human())

@@ -1,15 +1,17 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "client/cli/session.hpp"
 
 namespace collided::cli {
 
-/// The options of `fleet publish`, as they were written.
+/// The options of `fleet publish`.
 struct FleetPublishOptions {
-  std::string to;        // address in etcd
-  std::string revision;  // of the map there whose place it takes
+  std::string to;                         // address in etcd
+  std::optional<std::uint64_t> revision;  // of the map there whose place it takes
 };
 
 /// Writes the map of --shards to etcd.

@@ -20,7 +20,7 @@ Exit split_shards(Session& session, const Globals& globals, const FleetSplitOpti
     throw bad_use("which maps?", "collide fleet split --shards MAP --to MAP: the map that holds, and the one after it");
   ShardSplitOptions how{.undo = options.undo,
                         .said = [&](const std::string& said) { print_hint(session.io, globals, said); }};
-  if (!options.patience.empty()) how.patience = parse_duration(options.patience);
+  how.patience = options.patience.value_or(how.patience);
   const ShardSplitReport report =
       take(split_shard(globals.shards, options.to, connect_options(session.io, globals), how));
   Printer printer = make_printer(session.io, globals);

@@ -1,15 +1,17 @@
 #pragma once
 
+#include <chrono>
+#include <optional>
 #include <string>
 
 #include "client/cli/session.hpp"
 
 namespace collided::cli {
 
-/// The options of `fleet split`, as they were written.
+/// The options of `fleet split`.
 struct FleetSplitOptions {
-  std::string to;        // the next map: a file or an address
-  std::string patience;  // how long the new shards may take
+  std::string to;                                    // the next map: a file or an address
+  std::optional<std::chrono::nanoseconds> patience;  // how long the new shards may take
   bool undo = false;
 };
 

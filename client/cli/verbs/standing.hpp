@@ -6,21 +6,15 @@
 #include <utility>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/pace.hpp"
 
 /// What fences, margins and questions for the nearest have in common: questions that stay, whose events are followed.
 namespace collided::cli {
-
-/// When following ends, by the options -n and --for as they were given; empty: no end.
-inline Until follow_end(const std::string& most, const std::string& most_time) {
-  return {most.empty() ? 0 : parse_count(most, 1),
-          most_time.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time)};
-}
 
 /// Prints the events of a watch until the end, or Ctrl-C. Exit::no: none came.
 ///
@@ -82,11 +76,11 @@ class StandingCommand : public Command {
   void declare_ends(CLI::App& app) {
     app.add_flag("--keep", is_kept_,
                  "add: it stays until it is removed or the server stops, and comes back after a crash");
-    app.add_option("-n", most_events_, "End after so many events");
-    app.add_option("--for", most_time_, "End after this time");
+    option(app, "-n", most_events_, "End after so many events");
+    option(app, "--for", most_time_, "End after this time");
   }
   std::string word(std::size_t index) const { return index < words_.size() ? words_[index] : std::string(); }
-  Until until() const { return follow_end(most_events_, most_time_); }
+  Until until() const { return {most_events_, most_time_}; }
 
   /// Says that it stands. One that is not kept goes with the process, so the process stays and tells of it.
   Exit stands(Session& session, const Globals& globals, const std::string& name) {
@@ -122,12 +116,12 @@ class StandingCommand : public Command {
   bool is_kept_ = false;
   std::string only_;
   std::string skip_;
-  std::string mask_ = "0xffffffff";
+  std::uint32_t mask_ = 0xffffffff;
 
  private:
   Called called_;
-  std::string most_events_;
-  std::string most_time_;
+  std::uint64_t most_events_ = 0;  // 0: any number
+  std::chrono::nanoseconds most_time_ = std::chrono::nanoseconds::max();
 };
 
 }  // namespace collided::cli

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -8,6 +7,7 @@
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/output/answer_output.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/output/readable.hpp"
@@ -27,27 +27,23 @@ class GroupCommand : public Command {
  public:
   void declare(CLI::App& app) override {
     declare_own(app);
-    app.add_option("--nearer,--within", nearer_, nearer_help());
-    app.add_option("--skip", skip_, "Not objects whose name matches this glob");
-    app.add_flag("--with-filtered", with_filtered_, "Also pairs that masks and groups let pass through each other");
-    app.add_flag("--certificate", certificate_, "Ask for a proof of each pair and check it here");
-    app.add_option("--as-of", as_of_,
-                   "All objects at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its "
-                   "newest pose)");
-    app.add_option("--deadline", deadline_, "What takes longer ends undecided: 100ms");
+    option(app, "--nearer,--within", Measure::length, nearer_m_, nearer_help());
+    option(app, "--skip GLOB", options_.skip, "Not objects whose name matches this glob");
+    app.add_flag("--with-filtered", options_.with_filtered,
+                 "Also pairs that masks and groups let pass through each other");
+    app.add_flag("--certificate", options_.certificate, "Ask for a proof of each pair and check it here");
+    declare_instant(
+        app, options_.as_of,
+        "All objects at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its "
+        "newest pose)");
+    option(app, "--deadline", options_.deadline, "What takes longer ends undecided: 100ms");
   }
 
   bool takes_shards() const override { return true; }
 
   Exit run(Session& session, const Globals& globals) override {
-    ClearanceOptions options;
-    if (!nearer_.empty()) options.nearer_m = parse_finite(nearer_, Measure::length);
-    if (options.nearer_m < 0) throw bad_use("--nearer " + nearer_ + " is below 0");
-    options.skip = skip_;
-    options.with_filtered = with_filtered_;
-    options.certificate = certificate_;
-    options.as_of = parse_instant(as_of_);
-    options.deadline = deadline_.empty() ? std::chrono::nanoseconds(0) : parse_duration(deadline_);
+    ClearanceOptions options = options_;
+    options.nearer_m = nearer_m_.value_or(options.nearer_m);
     options.timeout = timeout_of(globals, std::chrono::seconds(60));
     const std::string from = adjust(options);
     if (options.to.empty() && !globals.shards.empty())
@@ -72,7 +68,7 @@ class GroupCommand : public Command {
     progress.clear();
     check_certificates(answer.pairs);
     Printer printer = make_printer(session.io, globals);
-    print_clearance(printer, answer, certificate_);
+    print_clearance(printer, answer, options.certificate);
     if (answer.pairs.empty() && printer.human()) printer.line(none_line(from, options));
     printer.finish();
     say_how_much(session.io, globals, answer);
@@ -95,13 +91,13 @@ class GroupCommand : public Command {
   /// The file that the group names instead; empty: it names objects.
   virtual std::string file_in(const std::string&) const { return {}; }
   virtual std::vector<std::string> reading_words() const { return {}; }
-  bool has_nearer() const { return !nearer_.empty(); }
-  std::uint32_t most_told(const std::string& text) const {
-    const std::uint64_t most = certificate_ ? kMostCertificates : kMostPairs;
-    if (text.empty()) return static_cast<std::uint32_t>(most);
-    const std::uint64_t count = parse_count(text, 1);
+  bool has_nearer() const { return nearer_m_.has_value(); }
+  std::uint32_t most_told(std::optional<std::uint64_t> asked) const {
+    const std::uint64_t most = options_.certificate ? kMostCertificates : kMostPairs;
+    const std::uint64_t count = asked.value_or(most);
     if (count > most)
-      throw bad_use(fmt::format("{} pairs are above {}{}", text, most, certificate_ ? ", with --certificate" : ""));
+      throw bad_use(
+          fmt::format("{} pairs are above {}{}", count, most, options_.certificate ? ", with --certificate" : ""));
     return static_cast<std::uint32_t>(count);
   }
 
@@ -146,7 +142,7 @@ class GroupCommand : public Command {
                              "{}",
                              answer.filtered, answer.filtered == 1 ? "" : "s", answer.filtered == 1 ? "is" : "are",
                              answer.filtered == 1 ? "it" : "them"));
-    if (!certificate_) return;
+    if (!options_.certificate) return;
     const auto is_proved = [](const ClearancePair& pair) { return pair.certificate.has_value(); };
     print_hint(io, globals,
                fmt::format("proved here: {} of {} pairs",
@@ -157,20 +153,16 @@ class GroupCommand : public Command {
     return answer.pairs.empty() ? Exit::no : Exit::yes;
   }
 
-  std::string nearer_;
-  std::string skip_;
-  bool with_filtered_ = false;
-  bool certificate_ = false;
-  std::string as_of_;
-  std::string deadline_;
+  ClearanceOptions options_;
+  std::optional<double> nearer_m_;
 };
 
 class ClearanceCommand : public GroupCommand {
  private:
   void declare_own(CLI::App& app) override {
-    app.add_option("group", from_, "The first group: an object, a scene or a glob");
-    app.add_option("--to", to_, "The other group (everything else)");
-    app.add_option("-k", count_, "So many of the nearest pairs (1; with --nearer up to 10000)");
+    option(app, "group GLOB", from_, "The first group: an object, a scene or a glob");
+    option(app, "--to GLOB", to_, "The other group (everything else)");
+    option(app, "-k", count_, "So many of the nearest pairs (1; with --nearer up to 10000)");
   }
   std::string nearer_help() const override { return "All pairs nearer than this, not only the nearest: 5mm"; }
   std::string adjust(ClearanceOptions& options) override {
@@ -178,13 +170,13 @@ class ClearanceCommand : public GroupCommand {
       throw bad_use(fmt::format("{} groups; one is needed, and --to for the other", from_.size()),
                     "collide clearance 'robot/*' --to 'cell/*'");
     options.to = to_;
-    options.most = count_.empty() && !has_nearer() ? 1 : most_told(count_);
+    options.most = !count_ && !has_nearer() ? 1 : most_told(count_);
     return from_[0];
   }
 
   std::vector<std::string> from_;
   std::string to_;
-  std::string count_;
+  std::optional<std::uint64_t> count_;
 };
 
 class ClashCommand : public GroupCommand {
@@ -206,10 +198,11 @@ class ClashCommand : public GroupCommand {
 
  private:
   void declare_own(CLI::App& app) override {
-    app.add_option("group", of_, "A scene, a glob of objects (everything), or a file, which a server of its own reads");
-    app.add_option("--unit", unit_, "Of the file: m, mm, cm, km, um, in, ft, or metres a unit (m)");
-    app.add_option("--up", up_, "Axis of the file that points up: y or z (as the format says, else z)");
-    app.add_option("-k", count_, "At most so many pairs, the nearest (10000)");
+    option(app, "group GLOB", of_,
+           "A scene, a glob of objects (everything), or a file, which a server of its own reads");
+    option(app, "--unit UNIT", unit_, "Of the file: m, mm, cm, km, um, in, ft, or metres a unit (m)");
+    option(app, "--up AXIS", up_, "Axis of the file that points up: y or z (as the format says, else z)");
+    option(app, "-k", count_, "At most so many pairs, the nearest (10000)");
   }
   std::string nearer_help() const override { return "Pairs nearer than this too: 5mm (0: only those that touch)"; }
   std::string adjust(ClearanceOptions& options) override {
@@ -235,7 +228,7 @@ class ClashCommand : public GroupCommand {
   }
 
   std::string of_ = "*";
-  std::string count_;
+  std::optional<std::uint64_t> count_;
   std::string unit_;
   std::string up_;
 };

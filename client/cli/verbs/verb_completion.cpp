@@ -2,10 +2,10 @@
 #include <string_view>
 #include <vector>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/global_options.hpp"
 #include "client/cli/guides/guides.hpp"
 #include "client/cli/server_command.hpp"
@@ -43,7 +43,7 @@ complete -c collide -a '(collide complete -- (commandline -opc)[2..-1] (commandl
 
 class CompletionCommand : public Command {
  public:
-  void declare(CLI::App& app) override { app.add_option("shell", shell_, "bash, zsh or fish"); }
+  void declare(CLI::App& app) override { option(app, "shell bash|zsh|fish", shell_, "bash, zsh or fish"); }
 
   Exit run(Session& session, const Globals&) override {
     if (shell_ == "bash") session.io.out << kBash;
@@ -80,21 +80,31 @@ class CompleteCommand : public PassOn {
   std::vector<std::string> candidates(Session& session, const Globals& globals, const std::string& typed) const {
     const auto verb_name = std::find_if(words_.begin(), words_.end(), [](const auto& w) { return find_verb(w); });
     if (verb_name == words_.end()) return verb_names();
-    const Verb& verb = *find_verb(*verb_name);
-    if (verb.name == "help") return help_topics();
-    if (verb.name == "completion") return {"bash", "zsh", "fish"};
-    if (typed.starts_with("-")) return options_of(verb);
-    if (verb.name == "explain" && words_.back() == verb.name) return {"pair", "ray", "fence", "event"};
-    const std::string& before = words_.back();
-    const bool wants_object = before == "--only" || before == "--skip" || before == "--on" || before == "--to" ||
-                              before == "--against" || before == "--why-not" || before == verb.name ||
-                              verb.name == "pair" || verb.name == "explain" || verb.name == "rm" ||
-                              verb.name == "allow" || verb.name == "deny" || verb.name == "attach";
-    constexpr std::array<std::string_view, 12> kByName{"allow",   "attach", "clash", "clearance", "deny", "detach",
-                                                       "explain", "get",    "ls",    "move",      "pair", "rm"};
-    const bool takes_object = std::ranges::find(kByName, verb.name) != kByName.end();
-    const bool is_option = before.starts_with("-");
-    return wants_object && (takes_object || is_option) ? objects(session, globals) : std::vector<std::string>();
+    CLI::App app("", "collide");
+    const std::unique_ptr<Command> command = find_verb(*verb_name)->make();
+    Globals ignored;
+    declare_verb(app, *command, ignored);
+    if (typed.starts_with("-")) return option_names(app);
+    const std::string value = value_of_next(app, static_cast<std::size_t>(words_.end() - verb_name) - 1);
+    if (value == "GLOB" || value == "OBJECT") return objects(session, globals);
+    if (value == "TOPIC") return help_topics();
+    if (const std::size_t choices = value.find('{'); choices != std::string::npos)
+      return CLI::detail::split(value.substr(choices + 1, value.size() - choices - 2), ',');
+    return value.find('|') == std::string::npos ? std::vector<std::string>() : CLI::detail::split(value, '|');
+  }
+
+  /// The name of what the next word is, after so many of the verb's words.
+  std::string value_of_next(const CLI::App& app, std::size_t word_count) const {
+    const CLI::Option* before = app.get_option_no_throw(words_.back());
+    if (before != nullptr && !before->get_positional() && before->get_items_expected_max() > 0)
+      return before->get_type_name();
+    for (const CLI::Option* option : app.get_options([](const CLI::Option* one) { return one->get_positional(); })) {
+      const auto most = static_cast<std::size_t>(option->get_items_expected_max());
+      const std::vector<std::string> names = CLI::detail::split(option->get_type_name(), ' ');
+      if (word_count < most) return names[std::min(word_count, names.size() - 1)];
+      word_count -= most;
+    }
+    return {};
   }
 
   static std::vector<std::string> verb_names() {
@@ -111,21 +121,9 @@ class CompleteCommand : public PassOn {
     return names;
   }
 
-  static std::vector<std::string> options_of(const Verb& verb) {
-    CLI::App app("", "collide");
-    const std::unique_ptr<Command> command = verb.make();
-    Globals ignored;
-    declare_verb(app, *command, ignored);
-    std::vector<std::string> names;
-    for (const CLI::Option* option : app.get_options()) {
-      for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
-    }
-    return names;
-  }
-
   /// The names of objects, if a server answers at once.
   static std::vector<std::string> objects(Session& session, Globals globals) {
-    if (globals.wait.empty()) globals.wait = "500ms";
+    if (!globals.wait) globals.wait = std::chrono::milliseconds(500);
     std::vector<std::string> names;
     try {
       const nlohmann::json answer = server_command(session, globals, wire::kList, {{"name", ""}, {"limit", 10'000}});

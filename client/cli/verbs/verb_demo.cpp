@@ -1,10 +1,9 @@
 #include <thread>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
-#include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/own_server.hpp"
 #include "client/cli/verbs/undo.hpp"
 
@@ -13,17 +12,15 @@ namespace {
 
 class DemoCommand : public Command {
  public:
-  void declare(CLI::App& app) override { app.add_option("--for", for_, "End after so long (at Ctrl-C)"); }
+  void declare(CLI::App& app) override { option(app, "--for", time_, "End after so long (at Ctrl-C)"); }
 
   Exit run(Session& session, const Globals& globals) override {
-    const std::optional<std::chrono::nanoseconds> time =
-        for_.empty() ? std::nullopt : std::optional(parse_duration(for_));
     const auto begun = std::chrono::steady_clock::now();
     const ConnectOptions where = connect_options(session.io, globals);
     OwnServer server(session.io, where, {});
     server.meet(session, globals);
     tell(session, where);
-    while (!stop_requested && !server.ended() && !(time && std::chrono::steady_clock::now() - begun > *time))
+    while (!stop_requested && !server.ended() && std::chrono::steady_clock::now() - begun <= time_)
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     if (server.ended())
       throw Failure(Exit::refused, fmt::format("the server ended by itself ({})", server.exit_code()));
@@ -63,7 +60,7 @@ class DemoCommand : public Command {
     return line.empty() ? line : "  export" + line + "\n";
   }
 
-  std::string for_;
+  std::chrono::nanoseconds time_ = std::chrono::nanoseconds::max();
 };
 
 }  // namespace

@@ -3,11 +3,11 @@
 #include <numbers>
 #include <set>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/verbs/ask_options.hpp"
 #include "client/draw/drawing/drawing.hpp"
 #include "client/draw/drawing/fence_outlines.hpp"
@@ -37,28 +37,28 @@ draw::Style style_of(const std::string& text) {
 class DrawCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("-o", out_, "File to write: .svg or .png");
+    option(app, "-o FILE", out_, "File to write: .svg or .png");
     app.add_flag("--term", term_, "A plan in the terminal, in braille");
-    app.add_option("--style", style_, "wireframe, hidden-line (the usual), obscured-line, haloed, toon, hatched");
-    app.add_option("--from", from_, "Where the eye is (above, left of the front)");
-    app.add_option("--at", at_, "What it looks at (the middle)");
-    app.add_option("--up", up_, "What is up in the picture (0 0 1)");
+    option(app, "--style NAME", style_, "wireframe, hidden-line (the usual), obscured-line, haloed, toon, hatched");
+    option(app, "--from X Y Z", from_, "Where the eye is (above, left of the front)");
+    option(app, "--at X Y Z", at_, "What it looks at (the middle)");
+    option(app, "--up AXIS", up_, "What is up in the picture (0 0 1)");
     app.add_flag("--ortho", ortho_, "Parallel projection");
-    app.add_option("--fov", fov_, "Field of view (as much as shows everything)");
-    app.add_option("--width", width_, "Pixels (1200; with --term columns)");
-    app.add_option("--crease", crease_, "Draw edges sharper than this (30deg)");
-    app.add_option("--tones", tones_, "Of the toon style (3)");
-    app.add_option("--light", light_, "Direction towards the light");
-    app.add_option("--ray", rays_, "Ask this ray and draw it: X Y Z DX DY DZ; may be repeated")
+    option(app, "--fov ANGLE", fov_, "Field of view (as much as shows everything)");
+    option(app, "--width N", width_, "Pixels (1200; with --term columns)");
+    option(app, "--crease", Measure::angle, crease_rad_, "Draw edges sharper than this (30deg)");
+    option(app, "--tones N", tones_, "Of the toon style (3)");
+    option(app, "--light X Y Z", light_, "Direction towards the light");
+    option(app, "--ray NUMBERS", rays_, "Ask this ray and draw it: X Y Z DX DY DZ; may be repeated")
         ->allow_extra_args(false);
-    app.add_option("--clearance", clearance_, "Colour objects of this name (glob) by their distance to the others");
-    app.add_option("--reach", reach_, "Distance at which that colour ends (1)");
-    app.add_option("--bands", bands_, "Steps of that colour (8)");
+    option(app, "--clearance GLOB", clearance_, "Colour objects of this name (glob) by their distance to the others");
+    option(app, "--reach", Measure::length, reach_m_, "Distance at which that colour ends (1)");
+    option(app, "--bands", bands_, "Steps of that colour (8)");
     app.add_flag("--no-contacts", no_contacts_, "Leave out the rings at contacts");
     app.add_flag("--no-fences", no_fences_, "Leave out the dashed lines of fences, margins and the nearest");
-    app.add_option("--only", texts_.only, "Draw objects whose name matches this glob");
-    app.add_option("--skip", texts_.skip, "Do not draw objects whose name matches this glob");
-    app.add_option("--mask", texts_.mask, "Layers that are drawn: bits, 0x3 or 0b11");
+    option(app, "--only GLOB", ask_.only, "Draw objects whose name matches this glob");
+    option(app, "--skip GLOB", ask_.skip, "Do not draw objects whose name matches this glob");
+    option(app, "--mask", ask_.mask, "Layers that are drawn: bits, 0x3 or 0b11");
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -68,17 +68,20 @@ class DrawCommand : public Command {
     if (!term_ && kind != "svg" && kind != "png") throw bad_use(fmt::format("'{}' is neither .svg nor .png", out_));
     draw::DrawOptions options = options_as_written();
     const std::vector<RayQuestion> rays_to_draw = ray_questions();
-    const AskOptions ask = ask_options_of(texts_, globals);
+    ask_.timeout = std::max<std::chrono::nanoseconds>(timeout_of(globals), std::chrono::seconds(30));
     const auto start = Clock::now();
     Client& client = session.client(globals);
-    const ShownObjects shown = take(client.shapes(
-        {.only = ask.only, .skip = ask.skip, .mask = ask.mask, .edges = true, .crease_cosine = options.crease_cosine}));
+    const ShownObjects shown = take(client.shapes({.only = ask_.only,
+                                                   .skip = ask_.skip,
+                                                   .mask = ask_.mask,
+                                                   .edges = true,
+                                                   .crease_cosine = options.crease_cosine}));
     if (shown.objects.empty())
       throw Failure(Exit::no, "nothing to draw: no object matches", "collide ls shows what is there");
-    if (options.clearance) measure(client, shown, ask, *options.clearance);
+    if (options.clearance) measure(client, shown, ask_, *options.clearance);
     if (!no_contacts_ && !term_) options.contacts = contacts(client, shown, session, globals);
     if (!no_fences_) options.fences = fences(client, shown, session, globals);
-    draw::Rays rays(client, drawing_rays(ask));
+    draw::Rays rays(client, ask_);  // the objects that are drawn are also those that hide others
     try {
       options.ray_marks = ray_marks(rays, rays_to_draw, shown);
       const draw::Drawing drawing = draw::draw(shown, options, rays);
@@ -106,7 +109,7 @@ class DrawCommand : public Command {
     if (options.view.width_px < 16 || options.view.width_px > 4'000)
       throw bad_use("--width " + width_ + " is not from 16 to 4000");
     if (term_ && from_.empty()) plan_view(options.view);
-    options.crease_cosine = std::cos(parse_finite(crease_, Measure::angle));
+    options.crease_cosine = std::cos(crease_rad_);
     options.tones = static_cast<int>(std::min<std::uint64_t>(parse_count(tones_, 2), 32));
     if (!light_.empty()) options.toward_light = parse_vector(light_);
     if (options.toward_light && options.toward_light->isZero(0)) throw bad_use("--light 0 0 0 has no direction");
@@ -123,20 +126,12 @@ class DrawCommand : public Command {
     view.up = Vec3::UnitY();
   }
 
-  /// The options for the rays of a drawing: the objects that are drawn are also those that hide others.
-  static AskOptions drawing_rays(const AskOptions& ask) {
-    AskOptions options = ask;
-    options.timeout = std::max(options.timeout, std::chrono::nanoseconds(std::chrono::seconds(30)));
-    return options;
-  }
-
   draw::ClearanceRamp ramp() const {
-    const double reach_m = parse_finite(reach_, Measure::length);
-    if (!(reach_m > 0)) throw bad_use("--reach " + reach_ + " is not above 0");
+    if (reach_m_ == 0) throw bad_use("--reach 0 is not above 0");
     return {.is_measured = {},
             .name_glob = clearance_,
-            .reach_m = reach_m,
-            .bands = static_cast<int>(std::min<std::uint64_t>(parse_count(bands_, 1), 64))};
+            .reach_m = reach_m_,
+            .bands = static_cast<int>(std::min<std::uint64_t>(bands_, 64))};
   }
 
   /// Finds the objects that are coloured by clearance. The server decides which names the glob matches.
@@ -281,16 +276,16 @@ class DrawCommand : public Command {
   bool ortho_ = false;
   std::string fov_;
   std::string width_;
-  std::string crease_ = "30deg";
+  double crease_rad_ = std::numbers::pi / 6;
   std::string tones_ = "3";
   std::string light_;
   std::vector<std::string> rays_;
   std::string clearance_;
-  std::string reach_ = "1";
-  std::string bands_ = "8";
+  double reach_m_ = 1;
+  std::uint64_t bands_ = 8;
   bool no_contacts_ = false;
   bool no_fences_ = false;
-  AskTexts texts_;
+  AskOptions ask_;
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
-#include <CLI/CLI.hpp>
 #include <collided/recording.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/input/time_text.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/event_output.hpp"
@@ -20,15 +20,15 @@ constexpr const char* kRecordedTimes =
 class EventsCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("file", path_, "A recording")->required();
-    app.add_option("--of", of_, "contacts, fences, margins or nearest (contacts)")
+    option(app, "file FILE", path_, "A recording")->required();
+    option(app, "--of KIND", of_, "contacts, fences, margins or nearest (contacts)")
         ->check(CLI::IsMember({"contacts", "fences", "margins", "nearest"}));
-    app.add_option("--only", options_.only, "Events of which a name matches this glob");
-    app.add_option("--skip", options_.skip, "No event of which a name matches this glob");
-    app.add_option("--from", from_,
-                   "What held then, and what happened from then on: 2026-11-22T12:03:10.5Z, seconds since "
-                   "1970, +2s after the begin, -2s before the end");
-    app.add_option("--to", to_, "Up to then, in the same words");
+    option(app, "--only GLOB", options_.only, "Events of which a name matches this glob");
+    option(app, "--skip GLOB", options_.skip, "No event of which a name matches this glob");
+    option(app, "--from TIME", from_,
+           "What held then, and what happened from then on: 2026-11-22T12:03:10.5Z, seconds since "
+           "1970, +2s after the begin, -2s before the end");
+    option(app, "--to TIME", to_, "Up to then, in the same words");
   }
 
   Exit run(Session& session, const Globals& globals) override {

@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <chrono>
@@ -7,6 +6,7 @@
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/input/question.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/explanation_output.hpp"
@@ -42,29 +42,27 @@ constexpr const char* kForms =
 class ExplainCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("words", words_, "pair A B, ray and its 6 numbers, fence NAME, nearest NAME, or event SEQ");
-    app.add_option(
-        "--last", last_,
-        "pair: how far back their paths are looked at: 5s (as far as poses are remembered; of a recording 5s)");
-    app.add_option(
-        "--as-of", world_.as_of,
-        "pair, ray, of a recording also fence, nearest: all objects at one instant: settled, -2s (before now, "
-        "or a recording's end), 2026-11-22T12:03:10.5Z; of a recording also +2s, after its begin");
-    app.add_option(
-        "--recording", world_.path,
-        "From this recording, by a server of its own instead of the one that runs; of events those of contacts");
-    app.add_option("--scene", world_.scenes, "With --recording: a file that its server had loaded; may be repeated")
+    option(app, "words pair|ray|fence|nearest|event OBJECT", words_,
+           "pair A B, ray and its 6 numbers, fence NAME, nearest NAME, or event SEQ");
+    option(app, "--last TIME", last_,
+           "pair: how far back their paths are looked at: 5s (as far as poses are remembered; of a recording 5s)");
+    option(app, "--as-of TIME", world_.as_of,
+           "pair, ray, of a recording also fence, nearest: all objects at one instant: settled, -2s (before now, "
+           "or a recording's end), 2026-11-22T12:03:10.5Z; of a recording also +2s, after its begin");
+    option(app, "--recording FILE", world_.path,
+           "From this recording, by a server of its own instead of the one that runs; of events those of contacts");
+    option(app, "--scene FILE", world_.scenes, "With --recording: a file that its server had loaded; may be repeated")
         ->allow_extra_args(false);
-    app.add_option("--to", to_, "ray: aim at this point instead of giving a direction");
-    app.add_option("--length", length_, "ray: nothing farther than this (inf)");
-    app.add_option("--only", only_, "ray: objects whose name matches this glob (* ? [..])");
-    app.add_option("--skip", skip_, "ray: not objects whose name matches this glob");
-    app.add_option("--mask", mask_, "ray: layers that may answer: bits, 0x3 or 0b11");
-    app.add_option("--why-not", why_not_, "ray, fence, nearest: an object that is told of in any case");
-    app.add_option("--most", most_,
-                   "ray, fence, nearest: so many of those passed, outside, or farther away are told (3)");
-    app.add_option("--of", of_, "event: contacts or fences (contacts)")->check(CLI::IsMember({"contacts", "fences"}));
-    app.add_option("--deadline", deadline_, "What takes longer ends with what was found by then: 100ms");
+    option(app, "--to X Y Z", to_, "ray: aim at this point instead of giving a direction");
+    option(app, "--length LENGTH", length_, "ray: nothing farther than this (inf)");
+    option(app, "--only GLOB", only_, "ray: objects whose name matches this glob (* ? [..])");
+    option(app, "--skip GLOB", skip_, "ray: not objects whose name matches this glob");
+    option(app, "--mask BITS", mask_, "ray: layers that may answer: bits, 0x3 or 0b11");
+    option(app, "--why-not OBJECT", why_not_, "ray, fence, nearest: an object that is told of in any case");
+    option(app, "--most N", most_,
+           "ray, fence, nearest: so many of those passed, outside, or farther away are told (3)");
+    option(app, "--of KIND", of_, "event: contacts or fences (contacts)")->check(CLI::IsMember({"contacts", "fences"}));
+    option(app, "--deadline", deadline_, "What takes longer ends with what was found by then: 100ms");
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -232,8 +230,7 @@ class ExplainCommand : public Command {
                             const std::vector<std::string>& names) const {
     // The search ends before this side stops waiting for it.
     constexpr std::chrono::seconds kPatience{10};
-    arguments["deadline_ns"] =
-        (deadline_.empty() ? timeout_of(globals, kPatience) * 9 / 10 : parse_duration(deadline_)).count();
+    arguments["deadline_ns"] = deadline_.value_or(timeout_of(globals, kPatience) * 9 / 10).count();
     try {
       return server_command(session, globals, wire_contract::command::kExplain, arguments);
     } catch (const Failure&) {
@@ -328,7 +325,7 @@ class ExplainCommand : public Command {
   std::string why_not_;
   std::string most_;
   std::string of_;
-  std::string deadline_;
+  std::optional<std::chrono::nanoseconds> deadline_;
 };
 
 }  // namespace

@@ -1,8 +1,8 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/input/shape_mesh.hpp"
 #include "client/cli/input/shape_text.hpp"
 #include "client/cli/output/fence_output.hpp"
@@ -79,12 +79,12 @@ class FenceCommand : public StandingCommand {
   FenceCommand() : StandingCommand({"fence", "fence", "fences"}) {}
 
   void declare(CLI::App& app) override {
-    app.add_option("words", words_, "add NAME REGION NUMBERS, ls [GLOB], rm GLOB, or watch [GLOB]");
-    app.add_option("--to", fence_.to, "add: object that it moves along with; the numbers are in its frame");
-    app.add_option("--only", only_, "add: objects that it looks at; watch: fences or objects (glob)");
-    app.add_option("--skip", skip_, "add: objects that it leaves out; watch: fences or objects (glob)");
-    app.add_option("--mask", mask_, "add: layers that it looks at: bits (all)");
-    app.add_option("--detect", detect_, "add: what it tells, of enter, exit and cross (all)")
+    option(app, "words add|ls|rm|watch NAME", words_, "add NAME REGION NUMBERS, ls [GLOB], rm GLOB, or watch [GLOB]");
+    option(app, "--to OBJECT", fence_.to, "add: object that it moves along with; the numbers are in its frame");
+    option(app, "--only GLOB", only_, "add: objects that it looks at; watch: fences or objects (glob)");
+    option(app, "--skip GLOB", skip_, "add: objects that it leaves out; watch: fences or objects (glob)");
+    option(app, "--mask", mask_, "add: layers that it looks at: bits (all)");
+    option(app, "--detect WORDS", detect_, "add: what it tells, of enter, exit and cross (all)")
         ->allow_extra_args(false)
         ->delimiter(',');
     declare_mesh_reading(app, reading_);
@@ -97,7 +97,7 @@ class FenceCommand : public StandingCommand {
     fence_.name = words_[1];
     fence_.only = only_;
     fence_.skip = skip_;
-    fence_.mask = parse_bits(mask_);
+    fence_.mask = mask_;
     fence_.keep = is_kept_;
     set_told(detect_, fence_);
     set_region({words_.begin() + 2, words_.end()}, reading_, session.io, fence_);

@@ -2,12 +2,12 @@
 #include <string>
 #include <utility>
 
-#include <CLI/CLI.hpp>
 #include <collided/fleet.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/verbs/fleet_of_shards.hpp"
 #include "client/cli/verbs/fleet_plan.hpp"
@@ -22,20 +22,19 @@ bool is_wrong(const Finding& finding) { return finding.health == Health::fail; }
 class FleetCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("action", action_,
-                   "plan: propose a shard map; publish: write one to etcd; split: split a shard; without: list who is "
-                   "there")
+    option(app, "action plan|publish|split", action_,
+           "plan: propose a shard map; publish: write one to etcd; split: split a shard; without: list who is "
+           "there")
         ->check(CLI::IsMember({"plan", "publish", "split"}));
-    app.add_option("--into", plan_.into, "plan: so many shards (2)");
-    app.add_option("--by", plan_.by, "plan: what counts as load: moving, objects or triangles (moving)");
-    app.add_option("--margin", plan_.margin, "plan: how far outside its box a shard holds everything (1)");
-    app.add_option("--split", plan_.split, "plan: the shard of --shards that is split (the one with most load)");
-    app.add_option("-o", plan_.out, "plan: file for the map, or its address in etcd (standard output)");
-    app.add_option(
-        "--to", to_,
-        "split: the map that comes after that of --shards (in etcd: KEY/next); publish: its address in etcd");
-    app.add_option("--revision", publish_.revision, "publish: in the place of the map there that has this revision");
-    app.add_option("--for", split_.patience, "split: take it back after so long (60s)");
+    option(app, "--into N", plan_.into, "plan: so many shards (2)");
+    option(app, "--by WHAT", plan_.by, "plan: what counts as load: moving, objects or triangles (moving)");
+    option(app, "--margin LENGTH", plan_.margin, "plan: how far outside its box a shard holds everything (1)");
+    option(app, "--split NAME", plan_.split, "plan: the shard of --shards that is split (the one with most load)");
+    option(app, "-o FILE", plan_.out, "plan: file for the map, or its address in etcd (standard output)");
+    option(app, "--to MAP", to_,
+           "split: the map that comes after that of --shards (in etcd: KEY/next); publish: its address in etcd");
+    option(app, "--revision", publish_.revision, "publish: in the place of the map there that has this revision");
+    option(app, "--for", split_.patience, "split: take it back after so long (60s)");
     app.add_flag("--undo", split_.undo, "split: take back what was begun");
   }
 
@@ -44,7 +43,7 @@ class FleetCommand : public Command {
   Exit run(Session& session, const Globals& globals) override {
     if (action_ != "plan") refuse_options_of_plan();
     if (action_ != "split") refuse_options_of_split();
-    if (action_ != "publish" && !publish_.revision.empty()) throw bad_use("--revision is for 'collide fleet publish'");
+    if (action_ != "publish" && publish_.revision) throw bad_use("--revision is for 'collide fleet publish'");
     if (action_ != "publish" && action_ != "split" && !to_.empty())
       throw bad_use("--to is for 'collide fleet split' and 'collide fleet publish'");
     publish_.to = split_.to = to_;
@@ -77,7 +76,7 @@ class FleetCommand : public Command {
   }
 
   void refuse_options_of_split() const {
-    if (!split_.patience.empty() || split_.undo) throw bad_use("--for and --undo are for 'collide fleet split'");
+    if (split_.patience || split_.undo) throw bad_use("--for and --undo are for 'collide fleet split'");
   }
 
   static void print_table(Printer& printer, const std::vector<FleetMember>& members) {

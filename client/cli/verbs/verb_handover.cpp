@@ -3,11 +3,11 @@
 #include <optional>
 #include <string>
 
-#include <CLI/CLI.hpp>
 #include <collided/fleet.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/failure.hpp"
 #include "client/cli/server_command.hpp"
 #include "idl/commands.hpp"
@@ -18,7 +18,7 @@ namespace {
 class HandoverCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("name", to_, "The server that takes the place, as fleet calls it; else any that is ready");
+    option(app, "name", to_, "The server that takes the place, as fleet calls it; else any that is ready");
   }
 
   Exit run(Session& session, const Globals& globals) override {

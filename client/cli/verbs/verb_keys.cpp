@@ -1,7 +1,7 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/keys/authority.hpp"
 #include "idl/keys/key_folder.hpp"
 
@@ -38,15 +38,16 @@ std::string_view finding_name(keys::KeyFinding::Kind kind) {
 class KeysCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("action", action_, "init, add, revoke or check");
-    app.add_option("what", what_, "init: the folder to make; add, revoke: whom");
-    app.add_option("--dir", folder_, "Folder of the authority ('keys')");
-    app.add_option("--role", roles_, "server, standby, publisher, asker, watcher, admin; repeatable, they add up")
+    option(app, "action init|add|revoke|check NAME", action_, "init, add, revoke or check");
+    option(app, "what", what_, "init: the folder to make; add, revoke: whom");
+    option(app, "--dir DIR", folder_, "Folder of the authority ('keys')");
+    option(app, "--role ROLE", roles_, "server, standby, publisher, asker, watcher, admin; repeatable, they add up")
         ->allow_extra_args(false)
         ->delimiter(',');
-    app.add_option("--objects", objects_, "Only names that match this glob; repeatable (all)")->allow_extra_args(false);
-    app.add_option("--days", days_, "How long the keys are good (90)");
-    app.add_option("--protection", protection_, "init: none, sign or encrypt (encrypt)");
+    option(app, "--objects GLOB", objects_, "Only names that match this glob; repeatable (all)")
+        ->allow_extra_args(false);
+    option(app, "--days N", days_, "How long the keys are good (90)");
+    option(app, "--protection KIND", protection_, "init: none, sign or encrypt (encrypt)");
   }
 
   Exit run(Session& session, const Globals& globals) override {

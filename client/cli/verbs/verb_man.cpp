@@ -1,10 +1,10 @@
 #include <iterator>
 #include <sstream>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/global_options.hpp"
 #include "client/cli/guides/man_page.hpp"
 #include "client/cli/input/line_reader.hpp"
@@ -67,7 +67,7 @@ std::string man_of_collided(const std::string& help) {
 class ManCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("topic", topic_, "Guide; without: collide itself");
+    option(app, "topic", topic_, "Guide; without: collide itself");
     app.add_flag("--server", of_server_, "Of collided, from the output of 'collided --help' on standard input");
   }
 

@@ -1,8 +1,8 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/output/margin_output.hpp"
 #include "client/cli/output/readable.hpp"
 #include "client/cli/verbs/standing.hpp"
@@ -30,12 +30,14 @@ class MarginCommand : public StandingCommand {
   MarginCommand() : StandingCommand({"margin", "margin", "margins"}) {}
 
   void declare(CLI::App& app) override {
-    app.add_option("words", words_, "add NAME GLOB GLOB DISTANCE,..., ls [GLOB], rm GLOB, or watch [GLOB]");
-    app.add_option("--hysteresis", hysteresis_, "add: who is within a band leaves it so much farther out (0)");
-    app.add_option("--dwell", dwell_, "add: a change is told once it has lasted so long; contact at once (0)");
-    app.add_option("--only", only_, "watch: margins or objects (glob)");
-    app.add_option("--skip", skip_, "add: objects that have no part in it; watch: margins or objects (glob)");
-    app.add_option("--mask", mask_, "add: layers of the moving objects of the second group: bits (all)");
+    option(app, "words add|ls|rm|watch NAME", words_,
+           "add NAME GLOB GLOB DISTANCE,..., ls [GLOB], rm GLOB, or watch [GLOB]");
+    option(app, "--hysteresis", Measure::length, margin_.hysteresis_m,
+           "add: who is within a band leaves it so much farther out (0)");
+    option(app, "--dwell", margin_.dwell, "add: a change is told once it has lasted so long; contact at once (0)");
+    option(app, "--only GLOB", only_, "watch: margins or objects (glob)");
+    option(app, "--skip GLOB", skip_, "add: objects that have no part in it; watch: margins or objects (glob)");
+    option(app, "--mask", mask_, "add: layers of the moving objects of the second group: bits (all)");
     declare_ends(app);
   }
 
@@ -48,12 +50,9 @@ class MarginCommand : public StandingCommand {
     margin_.around = words_[2];
     margin_.only = words_[3];
     margin_.skip = skip_;
-    margin_.mask = parse_bits(mask_);
+    margin_.mask = mask_;
     margin_.keep = is_kept_;
     margin_.bands_m = bands_of({words_.begin() + 4, words_.end()});
-    margin_.hysteresis_m = parse_finite(hysteresis_, Measure::length);
-    if (margin_.hysteresis_m < 0) throw bad_use("--hysteresis " + hysteresis_ + ": a distance of 0 or more is needed");
-    margin_.dwell = parse_duration(dwell_);
     const AddedMargin added = take(session.client(globals).add_margin(margin_));
     if (added.parts > 0) {
       print_warning(session.io,
@@ -84,8 +83,6 @@ class MarginCommand : public StandingCommand {
   }
 
   Margin margin_;
-  std::string hysteresis_ = "0";
-  std::string dwell_ = "0";
 };
 
 }  // namespace

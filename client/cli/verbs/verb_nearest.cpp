@@ -1,8 +1,8 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/output/nearest_output.hpp"
 #include "client/cli/output/readable.hpp"
 #include "client/cli/verbs/standing.hpp"
@@ -18,13 +18,14 @@ class NearestCommand : public StandingCommand {
   NearestCommand() : StandingCommand({"nearest", "question", "the nearest"}) {}
 
   void declare(CLI::App& app) override {
-    app.add_option("words", words_,
-                   "add NAME GLOB OBJECT DISTANCE, add NAME GLOB X Y Z DISTANCE, ls [GLOB], rm GLOB, or "
-                   "watch [GLOB]");
-    app.add_option("--hysteresis", hysteresis_, "add: another one must be nearer by more than this (0)");
-    app.add_option("--only", only_, "watch: questions or objects (glob)");
-    app.add_option("--skip", skip_, "add: objects that do not count; watch: questions or objects (glob)");
-    app.add_option("--mask", mask_, "add: layers of the objects that count: bits (all)");
+    option(app, "words add|ls|rm|watch NAME", words_,
+           "add NAME GLOB OBJECT DISTANCE, add NAME GLOB X Y Z DISTANCE, ls [GLOB], rm GLOB, or "
+           "watch [GLOB]");
+    option(app, "--hysteresis", Measure::length, nearest_.hysteresis_m,
+           "add: another one must be nearer by more than this (0)");
+    option(app, "--only GLOB", only_, "watch: questions or objects (glob)");
+    option(app, "--skip GLOB", skip_, "add: objects that do not count; watch: questions or objects (glob)");
+    option(app, "--mask", mask_, "add: layers of the objects that count: bits (all)");
     declare_ends(app);
   }
 
@@ -42,10 +43,8 @@ class NearestCommand : public StandingCommand {
     }
     nearest_.within_m = parse_finite(words_.back(), Measure::length);
     if (!(nearest_.within_m > 0)) throw bad_use("distance " + words_.back() + ": more than 0 is needed", kNearestForms);
-    nearest_.hysteresis_m = parse_finite(hysteresis_, Measure::length);
-    if (nearest_.hysteresis_m < 0) throw bad_use("--hysteresis " + hysteresis_ + ": a distance of 0 or more is needed");
     nearest_.skip = skip_;
-    nearest_.mask = parse_bits(mask_);
+    nearest_.mask = mask_;
     nearest_.keep = is_kept_;
     take(session.client(globals).add_nearest(nearest_));
     return stands(session, globals, nearest_.name);
@@ -70,7 +69,6 @@ class NearestCommand : public StandingCommand {
   }
 
   NearestQuestion nearest_;
-  std::string hysteresis_ = "0";
 };
 
 }  // namespace

@@ -1,10 +1,10 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/output/answer_output.hpp"
 #include "client/cli/server_command.hpp"
 #include "client/cli/verbs/ask_options.hpp"
@@ -136,15 +136,18 @@ void append_opinion(const SecondOpinion& opinion, Record& record) {
 class PairCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("names", names_, "The two objects");
-    app.add_flag("--triangles", triangles_, "Every pair of triangles that meet, with the segment that they share");
-    app.add_option("--most", most_, "At most so many pairs of triangles (10000, up to 100000)");
-    app.add_option(
-        "--as-of", as_of_,
+    option(app, "names OBJECT", names_, "The two objects");
+    app.add_flag("--triangles", options_.triangles,
+                 "Every pair of triangles that meet, with the segment that they share");
+    option(app, "--most", most_, "At most so many pairs of triangles (10000, up to 100000)");
+    declare_instant(
+        app, options_.as_of,
         "Both at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z (latest: each at its newest pose)");
-    app.add_option("--deadline", deadline_, "An answer that takes longer is undecided: 100ms");
-    app.add_option("--opinion", opinion_, "Ask another library too: fcl, run by the server in a process of its own");
-    app.add_flag("--certificate", certificate_, "Ask for a proof and check it here, by exact arithmetic of its own");
+    option(app, "--deadline", options_.deadline, "An answer that takes longer is undecided: 100ms");
+    option(app, "--opinion WHOSE", options_.opinion,
+           "Ask another library too: fcl, run by the server in a process of its own");
+    app.add_flag("--certificate", options_.certificate,
+                 "Ask for a proof and check it here, by exact arithmetic of its own");
   }
 
   bool takes_shards() const override { return true; }
@@ -152,17 +155,11 @@ class PairCommand : public Command {
   Exit run(Session& session, const Globals& globals) override {
     if (names_.size() != 2)
       throw bad_use(fmt::format("{} names; two objects are needed", names_.size()), "collide pair crate shelf");
-    if (!opinion_.empty() && opinion_ != "fcl")
-      throw bad_use(fmt::format("--opinion {}: allowed is fcl", printable(opinion_)));
-    const PairOptions options{
-        .certificate = certificate_,
-        .triangles = triangles_,
-        .most_triangle_pairs = static_cast<std::uint32_t>(std::min<std::uint64_t>(parse_count(most_, 1), 1 << 30)),
-        .as_of = parse_instant(as_of_),
-        .opinion = opinion_,
-        .deadline = deadline_.empty() ? std::chrono::nanoseconds(0) : parse_duration(deadline_),
-        .timeout = timeout_of(globals, std::chrono::seconds(30))};
-    const ShardedPairAnswer pair = ask(session, globals, options);
+    if (!options_.opinion.empty() && options_.opinion != "fcl")
+      throw bad_use(fmt::format("--opinion {}: allowed is fcl", printable(options_.opinion)));
+    options_.most_triangle_pairs = static_cast<std::uint32_t>(std::min<std::uint64_t>(most_, 1 << 30));
+    options_.timeout = timeout_of(globals, std::chrono::seconds(30));
+    const ShardedPairAnswer pair = ask(session, globals, options_);
     const bool fits = pair.certificate && pair.certificate->touches == (pair.verdict == Verdict::hit);
     const bool proved = fits && proves(*pair.certificate);
     if (pair.certificate && !proved) {
@@ -170,16 +167,17 @@ class PairCommand : public Command {
                     "collide pair without --certificate shows the answer");
     }
     Printer printer = make_printer(session.io, globals);
-    if (triangles_) print_triangles(printer, pair);
+    if (options_.triangles) print_triangles(printer, pair);
     else
-      print_answer(printer, pair,
-                   certificate_ ? Value(std::string_view(proved ? "proved" : "none")) : Value(std::monostate{}));
+      print_answer(
+          printer, pair,
+          options_.certificate ? Value(std::string_view(proved ? "proved" : "none")) : Value(std::monostate{}));
     printer.finish();
     if (pair.cut)
       print_hint(session.io, globals,
                  fmt::format("cut: {} of {} pairs of triangles; --most tells more, up to 100 000",
                              format_count(pair.triangle_pairs.size()), format_count(pair.triangle_pair_count)));
-    if (certificate_) print_hint(session.io, globals, proof_line(pair));
+    if (options_.certificate) print_hint(session.io, globals, proof_line(pair));
     if (pair.verdict == Verdict::undecided) return Exit::undecided;
     return pair.verdict == Verdict::hit ? Exit::yes : Exit::no;
   }
@@ -241,12 +239,8 @@ class PairCommand : public Command {
   }
 
   std::vector<std::string> names_;
-  bool triangles_ = false;
-  bool certificate_ = false;
-  std::string most_ = "10000";
-  std::string as_of_;
-  std::string deadline_;
-  std::string opinion_;
+  PairOptions options_;
+  std::uint64_t most_ = 10'000;
 };
 
 }  // namespace

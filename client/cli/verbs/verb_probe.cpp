@@ -1,8 +1,8 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/pace.hpp"
 #include "client/cli/server_command.hpp"
@@ -45,16 +45,16 @@ Paint paint_of(Clearance state) {
 class ProbeCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("words", words_, "NAME X Y Z DX DY DZ: origin and direction in the object's frame");
-    app.add_option("--on", object_, "Object that carries it");
-    app.add_option("--reach", reach_, "How far ahead it looks (10)");
-    app.add_option("--back", back_, "How far behind the origin it begins (1)");
-    app.add_option("--rm", removed_, "Remove probes by name or glob");
+    option(app, "words", words_, "NAME X Y Z DX DY DZ: origin and direction in the object's frame");
+    option(app, "--on OBJECT", probe_.object, "Object that carries it");
+    option(app, "--reach", Measure::length, probe_.reach_m, "How far ahead it looks (10)", Infinity::taken);
+    option(app, "--back", Measure::length, probe_.back_m, "How far behind the origin it begins (1)");
+    option(app, "--rm GLOB", removed_, "Remove probes by name or glob");
     app.add_flag("--watch", watch_, "Readings after every step");
-    app.add_option("--only", options_.only, "Probes that match this glob");
-    app.add_option("--skip", options_.skip, "No probes that match this glob");
-    app.add_option("-n", most_readings_, "End after so many readings");
-    app.add_option("--for", most_time_, "End after this time");
+    option(app, "--only GLOB", options_.only, "Probes that match this glob");
+    option(app, "--skip GLOB", options_.skip, "No probes that match this glob");
+    option(app, "-n", most_readings_, "End after so many readings");
+    option(app, "--for", most_time_, "End after this time");
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -65,22 +65,19 @@ class ProbeCommand : public Command {
 
  private:
   Exit set(Session& session, const Globals& globals) {
-    if (object_.empty())
+    if (probe_.object.empty())
       throw bad_use("--on OBJECT says what carries it", "collide probe front_left --on car  1.2 0.7 0  0 0 -1");
     const std::vector<double> numbers = parse_numbers({words_.begin() + 1, words_.end()}, Measure::length);
     if (numbers.size() != 6)
       throw bad_use(fmt::format("{} numbers; an origin X Y Z and a direction DX DY DZ are needed", numbers.size()));
-    const Probe probe{.name = words_[0],
-                      .object = object_,
-                      .origin = {numbers[0], numbers[1], numbers[2]},
-                      .direction = {numbers[3], numbers[4], numbers[5]},
-                      .reach_m = parse_number(reach_, Measure::length),
-                      .back_m = parse_finite(back_, Measure::length)};
-    if (probe.direction.isZero(0)) throw bad_use("direction 0 0 0 has no direction");
-    take(session.client(globals).add_probe(probe));
+    probe_.name = words_[0];
+    probe_.origin = {numbers[0], numbers[1], numbers[2]};
+    probe_.direction = {numbers[3], numbers[4], numbers[5]};
+    if (probe_.direction.isZero(0)) throw bad_use("direction 0 0 0 has no direction");
+    take(session.client(globals).add_probe(probe_));
     Printer printer = make_printer(session.io, globals);
-    if (printer.human()) printer.line(fmt::format("probe {} on {}", printable(probe.name), printable(probe.object)));
-    else printer.record({{"probe", std::string(probe.name)}, {"object", std::string(probe.object)}});
+    if (printer.human()) printer.line(fmt::format("probe {} on {}", printable(probe_.name), printable(probe_.object)));
+    else printer.record({{"probe", probe_.name}, {"object", probe_.object}});
     printer.finish();
     hint_at_unknown_object(session, globals);
     return Exit::yes;
@@ -90,7 +87,7 @@ class ProbeCommand : public Command {
   void hint_at_unknown_object(Session& session, const Globals& globals) const {
     if (globals.quiet) return;
     try {
-      if (const std::optional<Failure> unknown = unknown_object(session, globals, object_))
+      if (const std::optional<Failure> unknown = unknown_object(session, globals, probe_.object))
         print_hint(session.io, globals, fmt::format("{}. The probe reads 'absent' until it is", unknown->what()));
     } catch (const Failure&) {
       return;  // the probe is set; only the hint is missing
@@ -127,11 +124,9 @@ class ProbeCommand : public Command {
   }
 
   Exit follow(Session& session, const Globals& globals) {
-    const std::uint64_t most = most_readings_.empty() ? 0 : parse_count(most_readings_, 1);
-    const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
     ProbeWatch watch = take(session.client(globals).watch_probes(options_));
     Printer printer = make_printer(session.io, globals);
-    const Until until(most, most_time);
+    const Until until(most_readings_, most_time_);
     std::uint64_t count = 0;
     while (!until.reached(count) && session.io.out.good()) {
       const std::optional<ProbeReading> reading = next_of(watch, session.io, until);
@@ -158,14 +153,12 @@ class ProbeCommand : public Command {
   }
 
   std::vector<std::string> words_;
-  std::string object_;
-  std::string reach_ = "10";
-  std::string back_ = "1";
+  Probe probe_;
   std::string removed_;
   bool watch_ = false;
   WatchOptions options_;
-  std::string most_readings_;
-  std::string most_time_;
+  std::uint64_t most_readings_ = 0;  // 0: any number
+  std::chrono::nanoseconds most_time_ = std::chrono::nanoseconds::max();
 };
 
 }  // namespace

@@ -1,9 +1,9 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/solid_flag.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/input/package_folder.hpp"
 #include "client/cli/input/shape_file.hpp"
 #include "client/cli/input/shape_text.hpp"
@@ -23,6 +23,7 @@ enum class Kind { poses, recording, robot, spheres, path, voxels };
 /// An option that only some kinds of publisher have: its text as written, and those kinds.
 struct Setting {
   const char* name;
+  std::string_view value;  // its name in the help; empty: a flag
   std::vector<Kind> kinds;
   const char* meaning;
   std::string text = {};
@@ -33,8 +34,8 @@ struct Setting {
 class PublishCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option(
-        "file", file_,
+    option(
+        app, "file FILE", file_,
         "Poses (.csv, -), a motion capture (.bvh), with --joints a robot (.urdf), with --voxels a scan (.pcd, .xyz)");
     declare_group(app, "Pace", {"--rate", "--speed", "--gap", "--loop", "--stay", "--steps", "--for"});
     declare_group(app, "Objects", {"--shape", "--name", "--solid", "--layers", "--mask", "--when-lost", "--as"});
@@ -80,9 +81,8 @@ class PublishCommand : public Command {
         app.get_option("--solid")->group(group);
         continue;
       }
-      const bool is_flag = std::find(std::begin(kFlags), std::end(kFlags), entry.name) != std::end(kFlags);
-      if (is_flag) app.add_flag(entry.name, entry.flag, entry.meaning)->group(group);
-      else app.add_option(entry.name, entry.text, entry.meaning)->group(group);
+      if (entry.value.empty()) app.add_flag(name, entry.flag, entry.meaning)->group(group);
+      else option(app, fmt::format("{} {}", name, entry.value), entry.text, entry.meaning)->group(group);
     }
   }
 
@@ -283,63 +283,72 @@ class PublishCommand : public Command {
     return make_path_source(std::move(points), setting("--loop").flag, options);
   }
 
-  static constexpr std::string_view kFlags[]{"--loop",     "--stay", "--round",        "--bounce",
-                                             "--as-asked", "--face", "--beyond-limits"};
-
   std::string file_;
   SolidFlag solid_;
   std::vector<Setting> settings_{
-      {"--rate", {}, "Frames a second (recordings: their own times; spheres 60, path 100)"},
-      {"--speed", {}, "Of a recording: times faster (1); of spheres and paths: m/s (0.5, 1)"},
-      {"--gap", {}, "Poses of an object at most this far apart connect; beyond, it rested until one gap before (1.5s)"},
-      {"--loop", {Kind::poses, Kind::recording, Kind::robot, Kind::path, Kind::voxels}, "Again from the start"},
-      {"--stay", {}, "After the last frame: keep the objects until Ctrl-C"},
-      {"--steps", {}, "End after so many frames"},
-      {"--for", {}, "End after this time"},
-      {"--shape", {Kind::poses, Kind::path}, "sphere:0.1 (default), box:0.4,0.4,0.4, mesh:part.stl"},
+      {"--rate", "HZ", {}, "Frames a second (recordings: their own times; spheres 60, path 100)"},
+      {"--speed", "SPEED", {}, "Of a recording: times faster (1); of spheres and paths: m/s (0.5, 1)"},
+      {"--gap",
+       "TIME",
+       {},
+       "Poses of an object at most this far apart connect; beyond, it rested until one gap before (1.5s)"},
+      {"--loop", "", {Kind::poses, Kind::recording, Kind::robot, Kind::path, Kind::voxels}, "Again from the start"},
+      {"--stay", "", {}, "After the last frame: keep the objects until Ctrl-C"},
+      {"--steps", "N", {}, "End after so many frames"},
+      {"--for", "TIME", {}, "End after this time"},
+      {"--shape", "SHAPE", {Kind::poses, Kind::path}, "sphere:0.1 (default), box:0.4,0.4,0.4, mesh:part.stl"},
       {"--name",
+       "NAME",
        {Kind::recording, Kind::robot, Kind::spheres, Kind::path, Kind::voxels},
        "Of the object or the robot's scene, or what its parts' names begin with"},
       {"--solid",
+       "",
        {Kind::poses, Kind::path},
        "The mesh of --shape is the border of a solid; refused where it does not close; =winding: solid by winding "
        "number then"},
       {"--layers",
+       "BITS",
        {Kind::poses, Kind::recording, Kind::spheres, Kind::path, Kind::voxels},
        "Layers the objects are in: bits (1)"},
-      {"--mask", {Kind::poses, Kind::recording, Kind::spheres, Kind::path}, "Layers that they meet: bits (all)"},
-      {"--when-lost", {}, "If this publisher is lost: remove (default; robots, scans: freeze), freeze or hold"},
-      {"--as", {}, "Name of the publisher"},
-      {"--unit", {Kind::recording}, "Metres a unit of the file (1): 0.056444, 1cm"},
-      {"--radius", {Kind::recording}, "Of the spheres at feet and toes (0.12)"},
-      {"--bone-radius", {Kind::recording}, "Of the other bones (0.05)"},
-      {"--up", {Kind::recording}, "y: as recorded (default); z: turned so that z is up"},
-      {"--group", {Kind::recording}, "Parts of one group never meet (made from the name)"},
-      {"--joints", {Kind::robot}, "Positions of its joints (.csv, -): t and the names of joints, rad and m"},
-      {"--at", {Kind::robot}, "Where its root link stands: 1,2,0"},
-      {"--rpy", {Kind::robot}, "Roll, pitch and yaw of its root link: 0,0,90deg"},
-      {"--beyond-limits", {Kind::robot}, "Take positions beyond the joints' limits"},
-      {"--package", {Kind::robot}, "NAME=DIR, where a package lies that the robot's file names"},
-      {"--spheres", {Kind::spheres}, "So many spheres in a cube about the origin"},
-      {"--polygons", {Kind::spheres}, "Triangles a sphere, by latitude and longitude (256)"},
-      {"--round", {Kind::spheres}, "Real spheres instead of polygons"},
-      {"--size", {Kind::spheres}, "Mean diameter over the cube's side (0.2)"},
-      {"--side", {Kind::spheres}, "Of the cube (1)"},
-      {"--seed", {Kind::spheres}, "Of sizes, places and velocities (7)"},
-      {"--spin", {Kind::spheres}, "Largest angular speed, rad/s (0)"},
-      {"--bounce", {Kind::spheres}, "On contact: flip velocities, once a contact"},
-      {"--as-asked", {Kind::spheres}, "On contact: flip on every frame, as the homework words it"},
-      {"--response", {Kind::spheres}, "To a contact: flip (default), impulse or compliant (spring and damper)"},
-      {"--restitution", {Kind::spheres}, "Of impulse 0 to 1, of compliant 0.001 to 1 (1: no energy is lost)"},
-      {"--stiffness", {Kind::spheres}, "Of compliant, N/m: 1e2 to 1e12 (1e6); pressed by v sqrt(m/k)"},
-      {"--voxels", {Kind::voxels}, "Cells of this side that hold points are occupied: 0.05"},
-      {"--from", {Kind::voxels}, "Where the sensor stood: what lies before the points is free: 0,0,1.2"},
-      {"--unknown", {Kind::voxels}, "What no scan has met: free (default), undecided (not_covered) or occupied"},
-      {"--decay", {Kind::voxels}, "What was not met for so long is unknown again (never): 5s"},
-      {"--reach", {Kind::voxels}, "Points farther from the sensor do not count (no limit)"},
-      {"--path", {Kind::path}, "One object along the points of this file: x,y,z"},
-      {"--waypoints", {Kind::path}, "One object along these points: \"0,0,1 2,0,1\""},
-      {"--face", {Kind::path}, "Its x axis points along the way"},
+      {"--mask",
+       "BITS",
+       {Kind::poses, Kind::recording, Kind::spheres, Kind::path},
+       "Layers that they meet: bits (all)"},
+      {"--when-lost", "WHAT", {}, "If this publisher is lost: remove (default; robots, scans: freeze), freeze or hold"},
+      {"--as", "NAME", {}, "Name of the publisher"},
+      {"--unit", "UNIT", {Kind::recording}, "Metres a unit of the file (1): 0.056444, 1cm"},
+      {"--radius", "LENGTH", {Kind::recording}, "Of the spheres at feet and toes (0.12)"},
+      {"--bone-radius", "LENGTH", {Kind::recording}, "Of the other bones (0.05)"},
+      {"--up", "AXIS", {Kind::recording}, "y: as recorded (default); z: turned so that z is up"},
+      {"--group", "N", {Kind::recording}, "Parts of one group never meet (made from the name)"},
+      {"--joints", "FILE", {Kind::robot}, "Positions of its joints (.csv, -): t and the names of joints, rad and m"},
+      {"--at", "X Y Z", {Kind::robot}, "Where its root link stands: 1,2,0"},
+      {"--rpy", "R P Y", {Kind::robot}, "Roll, pitch and yaw of its root link: 0,0,90deg"},
+      {"--beyond-limits", "", {Kind::robot}, "Take positions beyond the joints' limits"},
+      {"--package", "NAME=DIR", {Kind::robot}, "NAME=DIR, where a package lies that the robot's file names"},
+      {"--spheres", "N", {Kind::spheres}, "So many spheres in a cube about the origin"},
+      {"--polygons", "N", {Kind::spheres}, "Triangles a sphere, by latitude and longitude (256)"},
+      {"--round", "", {Kind::spheres}, "Real spheres instead of polygons"},
+      {"--size", "SIZE", {Kind::spheres}, "Mean diameter over the cube's side (0.2)"},
+      {"--side", "LENGTH", {Kind::spheres}, "Of the cube (1)"},
+      {"--seed", "N", {Kind::spheres}, "Of sizes, places and velocities (7)"},
+      {"--spin", "RATE", {Kind::spheres}, "Largest angular speed, rad/s (0)"},
+      {"--bounce", "", {Kind::spheres}, "On contact: flip velocities, once a contact"},
+      {"--as-asked", "", {Kind::spheres}, "On contact: flip on every frame, as the homework words it"},
+      {"--response", "NAME", {Kind::spheres}, "To a contact: flip (default), impulse or compliant (spring and damper)"},
+      {"--restitution", "FACTOR", {Kind::spheres}, "Of impulse 0 to 1, of compliant 0.001 to 1 (1: no energy is lost)"},
+      {"--stiffness", "NUMBER", {Kind::spheres}, "Of compliant, N/m: 1e2 to 1e12 (1e6); pressed by v sqrt(m/k)"},
+      {"--voxels", "LENGTH", {Kind::voxels}, "Cells of this side that hold points are occupied: 0.05"},
+      {"--from", "X Y Z", {Kind::voxels}, "Where the sensor stood: what lies before the points is free: 0,0,1.2"},
+      {"--unknown",
+       "WORD",
+       {Kind::voxels},
+       "What no scan has met: free (default), undecided (not_covered) or occupied"},
+      {"--decay", "TIME", {Kind::voxels}, "What was not met for so long is unknown again (never): 5s"},
+      {"--reach", "LENGTH", {Kind::voxels}, "Points farther from the sensor do not count (no limit)"},
+      {"--path", "FILE", {Kind::path}, "One object along the points of this file: x,y,z"},
+      {"--waypoints", "POINTS", {Kind::path}, "One object along these points: \"0,0,1 2,0,1\""},
+      {"--face", "", {Kind::path}, "Its x axis points along the way"},
   };
 };
 

@@ -3,11 +3,11 @@
 #include <map>
 #include <set>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/ros/bridge.hpp"
 #include "client/ros/live_clouds.hpp"
 #include "client/ros/marker_objects.hpp"
@@ -68,28 +68,31 @@ class RosContacts {
 class RosCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("--ros-domain", domain_, "ROS's domain (ROS_DOMAIN_ID, else 0)");
-    app.add_option("--ros-interface", follow_interface_, "ROS's network interface: lo (default), auto, eth0");
-    app.add_option("--ros-peer", peers_, "Another machine's address, where multicast does not reach")
+    option(app, "--ros-domain N", domain_, "ROS's domain (ROS_DOMAIN_ID, else 0)");
+    option(app, "--ros-interface NAME", follow_interface_, "ROS's network interface: lo (default), auto, eth0");
+    option(app, "--ros-peer HOST", peers_, "Another machine's address, where multicast does not reach")
         ->allow_extra_args(false);
-    app.add_option("--frame", follow_.fixed, "Frame that is the server's world (world)");
-    app.add_option("--only", follow_.only, "Objects that may follow a frame: name glob (all)");
-    app.add_option("--pose", poses_, "A topic of PoseStamped that moves a frame")->allow_extra_args(false);
-    app.add_option("--markers", markers_, "A topic of MarkerArray whose markers are objects")->allow_extra_args(false);
-    app.add_option("--cloud", clouds_, "A topic of PointCloud2 that becomes occupied cells")->allow_extra_args(false);
-    app.add_option("--octomap", maps_, "A topic of Octomap that becomes occupied cells")->allow_extra_args(false);
-    app.add_option("--voxels", cell_, "Side of a cloud's cells (0.1)");
-    app.add_option("--reach", reach_, "Points farther from the sensor do not count (no limit)");
-    app.add_option("--decay", decay_, "What was not met for so long is unknown again (10s)");
-    app.add_option("--unknown", unknown_, "Cells that nothing has met: free (default), undecided or occupied")
+    option(app, "--frame FRAME", follow_.fixed, "Frame that is the server's world (world)");
+    option(app, "--only GLOB", follow_.only, "Objects that may follow a frame: name glob (all)");
+    option(app, "--pose TOPIC=FRAME", poses_, "A topic of PoseStamped that moves a frame")->allow_extra_args(false);
+    option(app, "--markers TOPIC", markers_, "A topic of MarkerArray whose markers are objects")
+        ->allow_extra_args(false);
+    option(app, "--cloud TOPIC=NAME", clouds_, "A topic of PointCloud2 that becomes occupied cells")
+        ->allow_extra_args(false);
+    option(app, "--octomap TOPIC=NAME", maps_, "A topic of Octomap that becomes occupied cells")
+        ->allow_extra_args(false);
+    option(app, "--voxels", Measure::length, voxels_.cell_m, "Side of a cloud's cells (0.1)");
+    option(app, "--reach", Measure::length, voxels_.reach_m, "Points farther from the sensor do not count (no limit)");
+    option(app, "--decay", voxels_.decay, "What was not met for so long is unknown again (10s)");
+    option(app, "--unknown WORD", unknown_, "Cells that nothing has met: free (default), undecided or occupied")
         ->check(CLI::IsMember({"free", "undecided", "occupied"}));
-    app.add_option("--clearance-of", clearance_, "Objects whose least clearance goes out on /collided/clearance");
+    option(app, "--clearance-of GLOB", clearance_, "Objects whose least clearance goes out on /collided/clearance");
     app.add_flag("--objects", shows_objects_, "Show the world's objects on /collided/objects");
     app.add_flag("--tf", sends_tf_, "Send the poses of objects that follow no frame on /tf");
     app.add_flag("--sim-time", has_clock_, "Time is that of /clock (use_sim_time)");
     app.add_flag("--joint-states", has_joint_states_, "Read /joint_states with /robot_description too");
-    app.add_option("--as", name_, "Name of the publisher (collide ros)");
-    app.add_option("--for", for_, "End after this time");
+    option(app, "--as NAME", name_, "Name of the publisher (collide ros)");
+    option(app, "--for", time_, "End after this time");
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -106,7 +109,7 @@ class RosCommand : public Command {
         client,
         {.fixed = follow_.fixed, .clearance_of = clearance_, .shows_objects = shows_objects_, .sends_tf = sends_tf_});
     print_hint(session.io, globals, "follows frames; Ctrl-C ends");
-    const Clock::time_point end = for_.empty() ? Clock::time_point::max() : Clock::now() + duration();
+    const Clock::time_point end = time_ ? Clock::now() + *time_ : Clock::time_point::max();
     Clock::time_point refused_at = Clock::now() + kRosRefused;
     Clock::time_point find_at = Clock::now(), shown = Clock::now(), told = Clock::now() - kRosTell;
     bool is_shown = true;
@@ -148,8 +151,6 @@ class RosCommand : public Command {
   }
 
  private:
-  std::chrono::nanoseconds duration() const { return parse_duration(for_); }
-
   ros::RosLink join(const Io& io) const {
     const std::string domain = domain_.empty() ? io.env("ROS_DOMAIN_ID") : domain_;
     const std::uint64_t number = domain.empty() ? 0 : parse_count(domain);
@@ -205,9 +206,7 @@ class RosCommand : public Command {
     ros::LiveCloudOptions options{.fixed = follow_.fixed,
                                   .clouds = names_of(clouds_, "--cloud", false),
                                   .maps = names_of(maps_, "--octomap", false)};
-    options.voxels.cell_m = parse_finite(cell_, Measure::length);
-    options.voxels.decay = parse_duration(decay_);
-    if (!reach_.empty()) options.voxels.reach_m = parse_finite(reach_, Measure::length);
+    options.voxels = voxels_;
     options.voxels.unknown = unknown_ == "undecided"  ? UnknownCells::undecided
                              : unknown_ == "occupied" ? UnknownCells::occupied
                                                       : UnknownCells::free;
@@ -388,9 +387,7 @@ class RosCommand : public Command {
   std::vector<std::string> markers_;
   std::vector<std::string> clouds_;
   std::vector<std::string> maps_;
-  std::string cell_ = "0.1";
-  std::string reach_;
-  std::string decay_ = "10s";
+  VoxelOptions voxels_{.cell_m = 0.1, .decay = std::chrono::seconds(10)};
   std::string unknown_ = "free";
   std::string clearance_;
   std::set<std::string> told_;
@@ -400,7 +397,7 @@ class RosCommand : public Command {
   std::optional<ros::MarkerObjects> markers_in_;
   std::int64_t clock_ns_ = 0;  // of /clock; 0: it has not come yet
   std::string name_ = "collide ros";
-  std::string for_;
+  std::optional<std::chrono::nanoseconds> time_;
   std::string last_error_;
   ros::FollowedFramesOptions follow_;
   std::size_t broadcasters_ = 0;

@@ -1,8 +1,8 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/input/shape_file.hpp"
 #include "client/cli/input/shape_text.hpp"
 #include "client/cli/output/answer_output.hpp"
@@ -60,13 +60,13 @@ void print_sweep(Printer& printer, const Answer& answer) {
 class SweepCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("shape", shape_, "sphere R, box X Y Z, capsule R L, cylinder R L, cone R H, ellipsoid X Y Z");
-    app.add_option("--from", from_, "Where it starts");
-    app.add_option("--to", to_, "Where it ends");
-    app.add_option("--rpy", rpy_, "Roll, pitch, yaw at the start: 0 0 45deg");
-    app.add_option("--to-rpy", to_rpy_, "Roll, pitch, yaw at the end (as at the start)");
+    option(app, "shape", shape_, "sphere R, box X Y Z, capsule R L, cylinder R L, cone R H, ellipsoid X Y Z");
+    option(app, "--from X Y Z", from_, "Where it starts");
+    option(app, "--to X Y Z", to_, "Where it ends");
+    option(app, "--rpy R P Y", rpy_, "Roll, pitch, yaw at the start: 0 0 45deg");
+    option(app, "--to-rpy R P Y", to_rpy_, "Roll, pitch, yaw at the end (as at the start)");
     declare_mesh_reading(app, reading_);
-    declare_ask_options(app, texts_);
+    declare_ask_options(app, options_);
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -76,8 +76,8 @@ class SweepCommand : public Command {
     print_warning(session.io, angle_warning("--rpy", rpy_));
     print_warning(session.io, angle_warning("--to-rpy", to_rpy_));
     const SweepQuestion motion{parse_pose(from_, rpy_, {}), parse_pose(to_, to_rpy_.empty() ? rpy_ : to_rpy_, {})};
-    const AskOptions options = ask_options_of(texts_, globals);
-    const Answers answers = take(session.client(globals).sweep({part}, std::span(&motion, 1), options));
+    options_.timeout = timeout_of(globals);
+    const Answers answers = take(session.client(globals).sweep({part}, std::span(&motion, 1), options_));
     if (answers.answers.size() != 1) throw Failure(Exit::refused, "the server's answer does not fit the question");
     Printer printer = make_printer(session.io, globals);
     print_sweep(printer, answers.answers.front());
@@ -85,7 +85,7 @@ class SweepCommand : public Command {
     if (globals.verbose || printer.human())
       print_hint(session.io, globals, cost_line(answers, answers.answers.front()));
     const Exit code = exit_of(answers.answers.front());
-    if (code == Exit::no) hint_at_unknown_names(session, globals, "--only ", options.only);
+    if (code == Exit::no) hint_at_unknown_names(session, globals, "--only ", options_.only);
     return code;
   }
 
@@ -96,7 +96,7 @@ class SweepCommand : public Command {
   std::string to_;
   std::string rpy_;
   std::string to_rpy_;
-  AskTexts texts_;
+  AskOptions options_;
 };
 
 }  // namespace

@@ -1,11 +1,11 @@
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/keys.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/top_page.hpp"
 #include "client/cli/output/top_keys.hpp"
@@ -112,26 +112,24 @@ class TopCommand : public Command {
  public:
   void declare(CLI::App& app) override {
     app.add_flag("--once", once_, "One set of figures, over the time of --every");
-    app.add_option("--every", period_, "Between two looks (1s)");
-    app.add_option("-n", most_looks_, "End after so many");
-    app.add_option("--for", most_time_, "End after this time");
-    app.add_option("--steps", steps_, "Instead: the newest steps of the world by stage, at most 256");
+    option(app, "--every", period_, "Between two looks (1s)");
+    option(app, "-n", most_looks_, "End after so many");
+    option(app, "--for", most_time_, "End after this time");
+    option(app, "--steps", steps_, "Instead: the newest steps of the world by stage, at most 256");
   }
 
   Exit run(Session& session, const Globals& globals) override {
-    const std::chrono::nanoseconds period = parse_duration(period_);
     constexpr std::chrono::milliseconds kShortest{10};
-    if (period < kShortest) throw bad_use(fmt::format("--every {}; allowed: 10ms and more", period_));
-    const std::uint64_t most = most_looks_.empty() ? 0 : parse_count(most_looks_, 1);
-    if (!steps_.empty()) return print_steps(session, globals, parse_count(steps_, 1));
+    if (period_ < kShortest) throw bad_use(fmt::format("--every {}; allowed: 10ms and more", format_duration(period_)));
+    if (steps_) return print_steps(session, globals, *steps_);
     Printer printer = make_printer(session.io, globals);
     const bool is_live = printer.human() && session.io.out_is_terminal && !once_;
-    const bool ends_by_itself = once_ || (!is_live && most == 0 && most_time_.empty());
-    const Until until(ends_by_itself ? 1 : most,
-                      most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_));
+    const bool ends_by_itself = once_ || (!is_live && !most_looks_ && !most_time_);
+    const Until until(ends_by_itself ? 1 : most_looks_.value_or(0),
+                      most_time_.value_or(std::chrono::nanoseconds::max()));
     begin(session, globals);
-    if (is_live) return live(session, globals, until, period);
-    return print(session, globals, printer, until, period);
+    if (is_live) return live(session, globals, until, period_);
+    return print(session, globals, printer, until, period_);
   }
 
  private:
@@ -239,10 +237,10 @@ class TopCommand : public Command {
   }
 
   bool once_ = false;
-  std::string period_ = "1s";
-  std::string most_looks_;
-  std::string most_time_;
-  std::string steps_;
+  std::chrono::nanoseconds period_ = std::chrono::seconds(1);
+  std::optional<std::uint64_t> most_looks_;
+  std::optional<std::chrono::nanoseconds> most_time_;
+  std::optional<std::uint64_t> steps_;
   std::optional<view::Figures> before_;
   std::uint64_t epoch_ = 0;
   std::string restart_;

@@ -3,11 +3,11 @@
 #include <fstream>
 #include <tuple>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/pace.hpp"
 #include "client/cli/verbs/undo.hpp"
 #include "client/view/recording.hpp"
@@ -19,16 +19,16 @@ namespace {
 class ViewCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("--port", port_, "0: any that is free (8765)");
-    app.add_option("--bind", options_.address.address,
-                   "Address to be reached at; others than 127.0.0.1 open it to who has the token that it prints");
-    app.add_option("--host", options_.rules.hosts,
-                   "A name that it may be asked under, beside that address and localhost");
-    app.add_option("--origin", options_.rules.origins, "Another page that may connect, https://app.foxglove.dev");
-    app.add_option("--up", up_, "Which way is up: y or z (z)");
-    app.add_option("--for", most_time_, "End after this time");
-    app.add_option("--save", file_, "Write one file that shows the next --last instead of serving");
-    app.add_option("--last", length_, "How much --save records (30s)");
+    option(app, "--port N", port_, "0: any that is free (8765)");
+    option(app, "--bind ADDRESS", options_.address.address,
+           "Address to be reached at; others than 127.0.0.1 open it to who has the token that it prints");
+    option(app, "--host NAME", options_.rules.hosts,
+           "A name that it may be asked under, beside that address and localhost");
+    option(app, "--origin URL", options_.rules.origins, "Another page that may connect, https://app.foxglove.dev");
+    option(app, "--up AXIS", up_, "Which way is up: y or z (z)");
+    option(app, "--for", most_time_, "End after this time");
+    option(app, "--save FILE", file_, "Write one file that shows the next --last instead of serving");
+    option(app, "--last", length_, "How much --save records (30s)");
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -56,7 +56,7 @@ class ViewCommand : public Command {
     const std::uint64_t port = parse_count(port_);
     if (port > kLastPort) throw bad_use(fmt::format("--port {}; allowed: 0 to {}", port, kLastPort));
     options_.address.port = static_cast<std::uint16_t>(port);
-    const Until until(0, most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_));
+    const Until until(0, most_time_);
     const std::unique_ptr<view::Viewer> viewer = start(session, globals);
     const std::string& address = options_.address.address;
     const bool is_long = address.find(':') != std::string::npos;
@@ -92,14 +92,13 @@ class ViewCommand : public Command {
   }
 
   Exit save(Session& session, const Globals& globals) {
-    const std::chrono::nanoseconds length = parse_duration(length_);
     constexpr std::chrono::minutes kLongest{10};
-    if (length <= std::chrono::nanoseconds(0) || length > kLongest)
-      throw bad_use(fmt::format("--last {}; allowed: more than 0, up to 10min", length_));
+    if (length_ <= std::chrono::nanoseconds(0) || length_ > kLongest)
+      throw bad_use(fmt::format("--last {}; allowed: more than 0, up to 10min", format_duration(length_)));
     std::ofstream out(file_, std::ios::binary);
     if (!out) throw bad_use(fmt::format("{}: cannot be written", file_));
     const view::RecordingOptions options{
-        .length = length, .y_is_up = options_.y_is_up, .connection = options_.connection, .is_stopped = [] {
+        .length = length_, .y_is_up = options_.y_is_up, .connection = options_.connection, .is_stopped = [] {
           return stop_requested.load();
         }};
     const view::SavedRun saved = take(view::record_run(session.client(globals), options));
@@ -124,9 +123,9 @@ class ViewCommand : public Command {
   view::ViewerOptions options_;
   std::string port_ = "8765";
   std::string up_ = "z";
-  std::string most_time_;
+  std::chrono::nanoseconds most_time_ = std::chrono::nanoseconds::max();
   std::string file_;
-  std::string length_ = "30s";
+  std::chrono::nanoseconds length_ = std::chrono::seconds(30);
 };
 
 }  // namespace

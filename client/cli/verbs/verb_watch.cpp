@@ -1,12 +1,12 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/event_watch.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/input/time_text.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/event_output.hpp"
@@ -93,27 +93,25 @@ constexpr const char* kTimes = "-10s, 2026-11-22T12:03:10.5Z or seconds since 19
 class WatchCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("--only", options_.only, "Pairs of which either name matches this glob");
-    app.add_option("--skip", options_.skip, "No pair of which a name matches this glob");
+    const auto as_template = [](const std::string& text) { return Template(text); };
+    option(app, "--only GLOB", options_.only, "Pairs of which either name matches this glob");
+    option(app, "--skip GLOB", options_.skip, "No pair of which a name matches this glob");
     app.add_flag("--persisted", options_.persisted, "Contacts that go on, too");
     app.add_flag("--manifold", manifold_, "Where the two bear on each other, asked for as each contact begins");
-    app.add_option("--since", since_,
-                   "First what the server remembers since 2026-11-22T12:03:10Z, seconds since 1970, or -10s");
-    app.add_option("-n", most_events_, "End after so many events");
-    app.add_option("--for", most_time_, "End after this time");
-    app.add_option("--format", format_, "One line an event: '{t} {what} {a} {b} {depth}'");
-    app.add_option("--post", post_url_,
-                   "POST the events to this web address: a JSON array of the objects that --json prints");
-    app.add_option("--exec", command_, "Run this in a shell for every event; {a}, {b} ... stand for its fields");
+    read_option(app, "--since TIME", options_.since,
+                "First what the server remembers since 2026-11-22T12:03:10Z, seconds since 1970, or -10s",
+                [](const std::string& text) { return since_1970(parse_time("--since", text, kTimes)); });
+    option(app, "-n", most_events_, "End after so many events");
+    option(app, "--for", most_time_, "End after this time");
+    read_option(app, "--format TEXT", line_, "One line an event: '{t} {what} {a} {b} {depth}'", as_template);
+    option(app, "--post URL", post_url_,
+           "POST the events to this web address: a JSON array of the objects that --json prints");
+    read_option(app, "--exec COMMAND", shell_, "Run this in a shell for every event; {a}, {b} ... stand for its fields",
+                as_template);
   }
 
   Exit run(Session& session, const Globals& globals) override {
-    const std::uint64_t most = most_events_.empty() ? 0 : parse_count(most_events_, 1);
-    const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
-    if (!format_.empty()) line_.emplace(format_);
-    if (!command_.empty()) shell_.emplace(command_);
     if (post_url_) poster_.emplace(*post_url_);
-    if (!since_.empty()) options_.since = since_1970(parse_time("--since", since_, kTimes));
     if (manifold_ && !globals.shards.empty())
       throw bad_use("--manifold asks one server about the two, so --shards is not for it");
     EventWatch watch(session, globals, options_);
@@ -123,7 +121,7 @@ class WatchCommand : public Command {
     hint_at_unknown_names(session, globals, "--only ", options_.only);
     Printer printer = make_printer(session.io, globals);
     printer.set_usual_fields(usual_event_fields());
-    const Until until(most, most_time);
+    const Until until(most_events_, most_time_);
     const Clock::time_point start = Clock::now();
     std::uint64_t count = 0;
     while (!until.reached(count) && session.io.out.good()) {
@@ -208,11 +206,8 @@ class WatchCommand : public Command {
   }
 
   WatchOptions options_;
-  std::string since_;
-  std::string most_events_;
-  std::string most_time_;
-  std::string format_;
-  std::string command_;
+  std::uint64_t most_events_ = 0;  // 0: any number
+  std::chrono::nanoseconds most_time_ = std::chrono::nanoseconds::max();
   std::optional<Template> line_;
   std::optional<Template> shell_;
   std::optional<std::string> post_url_;

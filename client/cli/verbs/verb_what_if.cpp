@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <filesystem>
 
 #include <fmt/format.h>
@@ -6,6 +5,7 @@
 #include "client/cli/command.hpp"
 #include "client/cli/input/configuration_reader.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/input/robot_configurations.hpp"
 #include "client/cli/input/shape_text.hpp"
 #include "client/cli/output/answer_output.hpp"
@@ -32,27 +32,27 @@ std::string_view word_of_verdict(Verdict verdict) {
 class WhatIfCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("file", files_, "Rows config,name,x,y,z,qw,qx,qy,qz, or a configuration of JSON a line");
-    app.add_option("--against", options_.against, "An object, a scene or a glob (everything else)");
-    app.add_option("--skip", options_.skip, "Not objects whose name matches this glob");
-    app.add_option("--mask", mask_, "Layers that count: bits, 0x3 or 0b11");
+    option(app, "file FILE", files_, "Rows config,name,x,y,z,qw,qx,qy,qz, or a configuration of JSON a line");
+    option(app, "--against GLOB", options_.against, "An object, a scene or a glob (everything else)");
+    option(app, "--skip GLOB", options_.skip, "Not objects whose name matches this glob");
+    option(app, "--mask", options_.mask, "Layers that count: bits, 0x3 or 0b11");
     app.add_flag("--clearance", options_.with_clearance,
                  "The least clearance of each too; of a contact the greatest depth, instead of the first found");
-    app.add_option("--nearer", nearer_, "With --clearance: not pairs farther apart than this: 5mm");
+    option(app, "--nearer", Measure::length, nearer_m_, "With --clearance: not pairs farther apart than this: 5mm");
     app.add_flag("--with-filtered", options_.with_filtered,
                  "Also pairs that masks and groups let pass through each other");
-    app.add_option("--attach", attached_, "Moves along in thought: crate=robot/hand; may be given again");
-    app.add_option("--robot", robot_path_, "A robot (.urdf) of the world, whose links are moved by --joints");
-    app.add_option("--joints", joints_path_,
-                   "Positions of its joints (.csv, -): config and the names of joints, rad and m");
-    app.add_option("--name", place_.scene, "Scene that the robot was loaded as (the stem of its file)");
-    app.add_option("--at", at_, "Where its root link stands: 1,2,0");
-    app.add_option("--rpy", rpy_, "Roll, pitch and yaw of its root link: 0,0,90deg");
+    option(app, "--attach NAME=NAME", attached_, "Moves along in thought: crate=robot/hand; may be given again");
+    option(app, "--robot FILE", robot_path_, "A robot (.urdf) of the world, whose links are moved by --joints");
+    option(app, "--joints FILE", joints_path_,
+           "Positions of its joints (.csv, -): config and the names of joints, rad and m");
+    option(app, "--name NAME", place_.scene, "Scene that the robot was loaded as (the stem of its file)");
+    option(app, "--at X Y Z", at_, "Where its root link stands: 1,2,0");
+    option(app, "--rpy R P Y", rpy_, "Roll, pitch and yaw of its root link: 0,0,90deg");
     app.add_flag("--beyond-limits", place_.beyond_limits, "Take positions beyond the joints' limits");
-    app.add_option("--deadline", deadline_, "Configurations not answered by then are undecided: 5s");
-    app.add_option("--importance", importance_, "low: refused first by an overloaded server; high: never (normal)");
-    app.add_option("--as-of", as_of_,
-                   "All objects that are not moved at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z");
+    option(app, "--deadline", options_.deadline, "Configurations not answered by then are undecided: 5s");
+    declare_importance(app, options_.importance);
+    declare_instant(app, options_.as_of,
+                    "All objects that are not moved at one instant: settled, -2s (before now), 2026-11-22T12:03:10.5Z");
     app.add_flag("--fresh", options_.fresh, "Answer after this connection's own last write");
   }
 
@@ -120,19 +120,14 @@ class WhatIfCommand : public Command {
   };
 
   void read_options(const Globals& globals) {
-    if (!nearer_.empty()) options_.nearer_m = parse_finite(nearer_, Measure::length);
-    if (options_.nearer_m < 0) throw bad_use("--nearer " + nearer_ + " is below 0");
-    if (!nearer_.empty() && !options_.with_clearance) throw bad_use("--nearer goes with --clearance");
-    if (!mask_.empty()) options_.mask = parse_bits(mask_);
+    if (nearer_m_ && !options_.with_clearance) throw bad_use("--nearer goes with --clearance");
+    options_.nearer_m = nearer_m_.value_or(options_.nearer_m);
     for (const std::string& pair : attached_) {
       const std::size_t sign = pair.find('=');
       if (sign == 0 || sign == std::string::npos || sign + 1 == pair.size())
         throw bad_use(fmt::format("--attach {}: it takes two names, crate=robot/hand", printable(pair)));
       options_.attached.emplace_back(pair.substr(0, sign), pair.substr(sign + 1));
     }
-    options_.importance = parse_importance(importance_);
-    options_.as_of = parse_instant(as_of_);
-    options_.deadline = deadline_.empty() ? std::chrono::nanoseconds(0) : parse_duration(deadline_);
     options_.timeout = timeout_of(globals, std::chrono::seconds(60));
   }
 
@@ -224,11 +219,7 @@ class WhatIfCommand : public Command {
   std::string rpy_;
   RobotPlace place_;
   std::size_t warned_ = 0;
-  std::string nearer_;
-  std::string mask_;
-  std::string deadline_;
-  std::string importance_;
-  std::string as_of_;
+  std::optional<double> nearer_m_;
   WhatIfOptions options_;
   WhatIfConfigurations configurations_;
   std::vector<std::string> ids_;  // of those

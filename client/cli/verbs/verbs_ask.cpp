@@ -1,8 +1,8 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/pace.hpp"
 #include "client/cli/verbs/ask_options.hpp"
 #include "client/cli/verbs/asked_world.hpp"
@@ -23,26 +23,27 @@ class AskCommand : public Command {
   explicit AskCommand(QuestionKind kind) { view_.kind = kind; }
 
   void declare(CLI::App& app) override {
-    app.add_option("numbers", words_, "Numbers, or a file of questions, or -");
+    option(app, "numbers", words_, "Numbers, or a file of questions, or -");
     declare_own(app);
-    declare_ask_options(app, texts_);
+    declare_ask_options(app, options_);
     app.add_flag("--stop-on-error", stop_on_error_, "Files: stop at the first bad line");
     app.add_flag("--watch", watch_, "Ask again and again, print what changes");
-    app.add_option("-n", most_changes_, "With --watch: end after so many changes");
-    app.add_option("--for", most_time_, "With --watch: end after this time");
-    app.add_option("--repeat", repeat_, "Ask so many times");
-    app.add_option("--every", every_, "Time between two asks (--watch: 10ms)");
+    option(app, "-n", most_changes_, "With --watch: end after so many changes");
+    option(app, "--for", most_time_, "With --watch: end after this time");
+    option(app, "--repeat", repeat_, "Ask so many times");
+    option(app, "--every", every_, "Time between two asks (--watch: 10ms)");
   }
 
   bool takes_shards() const override { return true; }
 
   Exit run(Session& session, const Globals& globals) override {
-    AskOptions options = ask_options_of(texts_, globals);
+    AskOptions options = options_;
+    options.timeout = timeout_of(globals);
     adjust(options);
     print_warning(session.io, warning());
     const bool from_file = words_.size() == 1 && !is_number_text(words_.front());
     if (from_file) {
-      if (watch_ || !repeat_.empty()) throw bad_use("--watch and --repeat take one question, not a file");
+      if (watch_ || repeat_) throw bad_use("--watch and --repeat take one question, not a file");
       view_.with_id = true;
       // A request of a batch waits for those before it.
       constexpr std::chrono::seconds kBatchTimeout{60};
@@ -87,22 +88,21 @@ class AskCommand : public Command {
 
   RepeatedQuestionOptions repeated_options(const AskOptions& options) const {
     RepeatedQuestionOptions repeated{.ask = options, .kind = view_.kind};
-    if (!most_changes_.empty()) repeated.most_changes = parse_count(most_changes_, 1);
-    if (!most_time_.empty()) repeated.most_time = parse_duration(most_time_);
-    if (!every_.empty()) repeated.every = parse_duration(every_);
+    repeated.most_changes = most_changes_;
+    repeated.most_time = most_time_;
+    repeated.every = every_.value_or(repeated.every);
     return repeated;
   }
 
   Exit ask_once_or_more(Session& session, const Globals& globals, const Questions& question,
                         const AskOptions& options) {
-    const std::uint64_t count = repeat_.empty() ? 1 : parse_count(repeat_, 1);
-    const std::chrono::nanoseconds every = every_.empty() ? std::chrono::nanoseconds(0) : parse_duration(every_);
+    const std::uint64_t count = repeat_.value_or(1);
     AskedWorld asked(session, globals);
     Printer printer = make_printer(session.io, globals);
     auto next = std::chrono::steady_clock::now();
     Exit code = Exit::no;
     for (std::uint64_t at = 0; at < count && session.io.out.good(); ++at) {
-      if (at > 0 && !sleep_until(next += every)) return Exit::interrupted;
+      if (at > 0 && !sleep_until(next += every_.value_or(std::chrono::nanoseconds(0)))) return Exit::interrupted;
       const Answers answers = take(asked.ask(question, options));
       if (answers.answers.size() != 1) throw Failure(Exit::refused, "the server's answer does not fit the question");
       const Answer& answer = answers.answers.front();
@@ -117,13 +117,13 @@ class AskCommand : public Command {
     return code;
   }
 
-  AskTexts texts_;
+  AskOptions options_;
   bool stop_on_error_ = false;
   bool watch_ = false;
-  std::string most_changes_;
-  std::string most_time_;
-  std::string repeat_;
-  std::string every_;
+  std::uint64_t most_changes_ = 0;
+  std::chrono::nanoseconds most_time_ = std::chrono::nanoseconds::max();
+  std::optional<std::uint64_t> repeat_;
+  std::optional<std::chrono::nanoseconds> every_;
 };
 
 class RayCommand : public AskCommand {
@@ -132,8 +132,8 @@ class RayCommand : public AskCommand {
 
  private:
   void declare_own(CLI::App& app) override {
-    app.add_option("--to", to_, "Aim at this point instead of giving a direction");
-    app.add_option("--length", length_, "Nothing farther than this (inf)");
+    option(app, "--to X Y Z", to_, "Aim at this point instead of giving a direction");
+    option(app, "--length", Measure::length, length_, "Nothing farther than this (inf)", Infinity::taken);
     app.add_flag("--all", all_, "Everything along the ray, in order");
     app.add_flag("--any", any_, "Whatever is found first");
     app.add_flag("--verdict", verdict_, "Only whether there is a hit, not where");
@@ -149,11 +149,11 @@ class RayCommand : public AskCommand {
     Numbers numbers = to_.empty() ? from_words({6}, "a ray takes 6, start and direction, or 3 and --to X Y Z")
                                   : from_words({3}, "with --to a ray takes 3, its start");
     if (!to_.empty()) set_vector(numbers, column::kTo, parse_vector(to_, Measure::length));
-    if (!length_.empty()) numbers.set(column::kLength, parse_number(length_, Measure::length));
+    if (length_) numbers.set(column::kLength, *length_);
     return numbers;
   }
   std::string to_;
-  std::string length_;
+  std::optional<double> length_;
   bool all_ = false;
   bool any_ = false;
   bool verdict_ = false;
@@ -174,10 +174,10 @@ class BoxCommand : public AskCommand {
 
  private:
   void declare_own(CLI::App& app) override {
-    app.add_option("--center", center_, "Centre, instead of two corners");
-    app.add_option("--size", size_, "Full lengths along its axes");
-    app.add_option("--rpy", rpy_, "Roll, pitch, yaw: 0 0 45deg");
-    app.add_option("--quat", quat_, "Rotation w x y z");
+    option(app, "--center X Y Z", center_, "Centre, instead of two corners");
+    option(app, "--size SIZE", size_, "Full lengths along its axes");
+    option(app, "--rpy R P Y", rpy_, "Roll, pitch, yaw: 0 0 45deg");
+    option(app, "--quat W X Y Z", quat_, "Rotation w x y z");
     app.add_flag("--count", view_.count_only, "Only how many");
   }
   std::string warning() const override { return angle_warning("--rpy", rpy_); }
@@ -218,21 +218,21 @@ class NearCommand : public AskCommand {
 
  private:
   void declare_own(CLI::App& app) override {
-    app.add_option("-k", count_, "So many of the nearest (1)");
-    app.add_option("--reach", reach_, "Nothing farther than this (inf)");
+    option(app, "-k", count_, "So many of the nearest (1)");
+    option(app, "--reach", Measure::length, reach_, "Nothing farther than this (inf)", Infinity::taken);
     app.add_flag("--signed", signed_, "In a solid: minus the depth, instead of 0");
   }
   void adjust(AskOptions& options) override {
     if (signed_) options.mode = HitMode::signed_near;
-    options.max_hits = static_cast<std::uint32_t>(std::min<std::uint64_t>(parse_count(count_, 1), 0xffffffff));
+    options.max_hits = static_cast<std::uint32_t>(std::min<std::uint64_t>(count_, 0xffffffff));
   }
   Numbers numbers() const override {
     Numbers numbers = from_words({3}, "near takes 3: a point");
-    if (!reach_.empty()) numbers.set(column::kReach, parse_number(reach_, Measure::length));
+    if (reach_) numbers.set(column::kReach, *reach_);
     return numbers;
   }
-  std::string count_ = "1";
-  std::string reach_;
+  std::uint64_t count_ = 1;
+  std::optional<double> reach_;
   bool signed_ = false;
 };
 

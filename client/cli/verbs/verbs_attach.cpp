@@ -1,9 +1,9 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "client/cli/command.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/server_command.hpp"
 #include "idl/commands.hpp"
 
@@ -25,7 +25,7 @@ void tell_attached(Session& session, const Globals& globals, const nlohmann::jso
 class AttachCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("names", names_, "The object that is to move along, and the one that it moves with");
+    option(app, "names OBJECT", names_, "The object that is to move along, and the one that it moves with");
     app.add_flag("--durable", durable_, "Refused where it would not outlive a crash of the server");
   }
   Exit run(Session& session, const Globals& globals) override {
@@ -47,7 +47,7 @@ class AttachCommand : public Command {
 class DetachCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("name", name_, "The object that is attached; it stays where it is");
+    option(app, "name OBJECT", name_, "The object that is attached; it stays where it is");
     app.add_flag("--durable", durable_, "Refused where it would not outlive a crash of the server");
   }
   Exit run(Session& session, const Globals& globals) override {

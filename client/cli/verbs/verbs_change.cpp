@@ -5,12 +5,12 @@
 #include <filesystem>
 #include <fstream>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/solid_flag.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/input/shape_file.hpp"
 #include "client/cli/input/package_folder.hpp"
 #include "client/cli/input/shape_text.hpp"
@@ -82,14 +82,14 @@ RawJson names_json(const std::vector<std::string>& names) {
 class AddCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("words", words_, "NAME SHAPE NUMBERS");
-    app.add_option("--at", at_, "Position X Y Z");
-    app.add_option("--rpy", rpy_, "Roll, pitch, yaw: 0 0 30deg");
-    app.add_option("--quat", quat_, "Rotation w x y z");
-    app.add_option("--layers", layers_, "Layers it is in: bits (1)");
-    app.add_option("--mask", mask_, "Layers that it meets: bits (all)");
-    app.add_option("--group", group_, "Members of one group other than 0 never meet");
-    app.add_option("--scale", scale_, "Factor, or X,Y,Z for boxes, ellipsoids, heights");
+    option(app, "words", words_, "NAME SHAPE NUMBERS");
+    option(app, "--at X Y Z", at_, "Position X Y Z");
+    option(app, "--rpy R P Y", rpy_, "Roll, pitch, yaw: 0 0 30deg");
+    option(app, "--quat W X Y Z", quat_, "Rotation w x y z");
+    option(app, "--layers", layers_, "Layers it is in: bits (1)");
+    option(app, "--mask", mask_, "Layers that it meets: bits (all)");
+    read_option(app, "--group N", group_, "Members of one group other than 0 never meet", parse_bits);
+    option(app, "--scale FACTOR", scale_, "Factor, or X,Y,Z for boxes, ellipsoids, heights");
     declare_mesh_reading(app, reading_);
     app.add_flag("--static", static_, "It will not move (a plane never does)");
     solid_.declare(
@@ -104,12 +104,9 @@ class AddCommand : public Command {
     const ShapePart shape = shape_of_words({words_.begin() + 1, words_.end()}, session.io, reading_);
     // A plane is unbounded, so it is static without --static.
     const bool moving = !static_ && !std::holds_alternative<HalfSpaceShape>(shape);
-    nlohmann::json arguments{{"name", name},
-                             {"pose", pose_json(parse_pose(at_, rpy_, quat_))},
-                             {"layers", parse_bits(layers_)},
-                             {"mask", parse_bits(mask_)},
-                             {"group", parse_bits(group_)},
-                             {"scale", scale()},
+    nlohmann::json arguments{{"name", name},      {"pose", pose_json(parse_pose(at_, rpy_, quat_))},
+                             {"layers", layers_}, {"mask", mask_},
+                             {"group", group_},   {"scale", scale()},
                              {"moving", moving}};
     if (solid_.is_given()) arguments["solid"] = true;
     if (solid_.is_by_winding()) arguments["solid_by"] = "winding";
@@ -141,9 +138,9 @@ class AddCommand : public Command {
   std::string at_;
   std::string rpy_;
   std::string quat_;
-  std::string layers_ = "1";
-  std::string mask_ = "0xffffffff";
-  std::string group_ = "0";
+  std::uint32_t layers_ = 1;
+  std::uint32_t mask_ = 0xffffffff;
+  std::uint32_t group_ = 0;
   bool static_ = false;
   SolidFlag solid_;
   bool durable_ = false;
@@ -152,9 +149,9 @@ class AddCommand : public Command {
 class MoveCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("words", words_, "NAME X Y Z");
-    app.add_option("--rpy", rpy_, "Roll, pitch, yaw: 0 0 30deg (without: as it is)");
-    app.add_option("--quat", quat_, "Rotation w x y z");
+    option(app, "words OBJECT X Y Z", words_, "NAME X Y Z");
+    option(app, "--rpy R P Y", rpy_, "Roll, pitch, yaw: 0 0 30deg (without: as it is)");
+    option(app, "--quat W X Y Z", quat_, "Rotation w x y z");
     app.add_flag("--by", by_, "X Y Z is added to where it is");
     app.add_flag("--teleport", teleport_, "Nothing lies on the way");
     declare_durable(app, durable_);
@@ -213,7 +210,7 @@ class MoveCommand : public Command {
 class RemoveCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("names", names_, "Names or globs");
+    option(app, "names GLOB", names_, "Names or globs");
     declare_durable(app, durable_);
   }
 
@@ -252,30 +249,29 @@ class RemoveCommand : public Command {
 class LoadCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option(
-        "file", path_,
-        "File that the server can read; with --upload, that this side can read; embedded: for the small one inside");
+    option(app, "file FILE", path_,
+           "File that the server can read; with --upload, that this side can read; embedded: for the small one inside");
     app.add_flag("--upload", upload_,
                  "Send the file's bytes; the server reads them in a process that may do nothing else");
-    app.add_option("--name", name_, "Name of the scene (the file's stem)");
-    app.add_option("--unit", unit_, "Of the file: m, mm, in, ... or metres a unit (m)");
-    app.add_option("--up", up_, "Axis of the file that points up: y or z (as the format says, else z)")
+    option(app, "--name NAME", name_, "Name of the scene (the file's stem)");
+    option(app, "--unit UNIT", unit_, "Of the file: m, mm, in, ... or metres a unit (m)");
+    option(app, "--up AXIS", up_, "Axis of the file that points up: y or z (as the format says, else z)")
         ->check(CLI::IsMember({"y", "z"}));
-    app.add_option("--radius", radius_, "Of the balls about the points of an .xyz or .pcd file (0)");
+    option(app, "--radius", Measure::length, radius_m_, "Of the balls about the points of an .xyz or .pcd file (0)");
     app.add_flag("--strict", strict_, "Refuse what would be mended");
     app.add_flag("--mend", mend_, "Cut edges at T-vertices and close cracks");
-    app.add_option("--crack", crack_, "Widest crack (a ten-thousandth of the diagonal)");
-    app.add_option("--srdf", srdf_, "Of a .urdf robot: the file that says which links may touch");
-    app.add_option("--package", packages_, "Of a .urdf robot: NAME=DIR, where a package that it names lies")
+    option(app, "--crack", Measure::length, crack_m_, "Widest crack (a ten-thousandth of the diagonal)");
+    option(app, "--srdf FILE", srdf_, "Of a .urdf robot: the file that says which links may touch");
+    option(app, "--package NAME=DIR", packages_, "Of a .urdf robot: NAME=DIR, where a package that it names lies")
         ->allow_extra_args(false);
     app.add_flag("--replace", replace_, "Replace the scene of that name");
     app.add_flag("--moving", moving_, "Its objects take poses: of `move`, or of a publisher that claims them");
     solid_.declare(app,
                    "Its meshes with what they enclose; those that do not close stay surfaces; =winding: they are by "
                    "winding number");
-    app.add_option("--solid-only", solid_only_, "The same for parts and objects whose name matches this glob");
-    app.add_option("--covers", covers_,
-                   "Box X0,Y0,Z0:X1,Y1,Z1 in which it is complete; outside of all such nothing is called free")
+    option(app, "--solid-only GLOB", solid_only_, "The same for parts and objects whose name matches this glob");
+    option(app, "--covers BOX", covers_,
+           "Box X0,Y0,Z0:X1,Y1,Z1 in which it is complete; outside of all such nothing is called free")
         ->allow_extra_args(false);
     declare_durable(app, durable_);
   }
@@ -286,10 +282,10 @@ class LoadCommand : public Command {
         {"name", name_},
         {"unit_m", unit_in_metres()},
         {"up", up_},
-        {"radius_m", parse_finite(radius_, Measure::length)},
+        {"radius_m", radius_m_},
         {"strict", strict_},
         {"mend", mend_},
-        {"crack_m", crack_.empty() ? 0 : parse_finite(crack_, Measure::length)},
+        {"crack_m", crack_m_},
         {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
         {"replace", replace_}};
     arguments = with_durable(std::move(arguments), durable_);
@@ -410,8 +406,8 @@ class LoadCommand : public Command {
   std::string name_;
   std::string unit_;
   std::string up_;
-  std::string radius_ = "0";
-  std::string crack_;
+  double radius_m_ = 0;
+  double crack_m_ = 0;
   std::string srdf_;
   std::vector<std::string> packages_;
   std::vector<std::string> covers_;
@@ -428,7 +424,7 @@ class LoadCommand : public Command {
 class ClearCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("scene", scene_, "Only this scene (all)");
+    option(app, "scene NAME", scene_, "Only this scene (all)");
     app.add_flag("--moving", moving_, "Only moving objects; with a scene: those too");
     declare_durable(app, durable_);
   }

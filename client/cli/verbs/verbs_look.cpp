@@ -1,8 +1,8 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/figure_text.hpp"
 #include "client/cli/server_command.hpp"
@@ -187,16 +187,16 @@ class StatusCommand : public Command {
 class ListCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("name", glob_, "Name or glob (* ? [..])");
+    option(app, "name GLOB", glob_, "Name or glob (* ? [..])");
     app.add_flag("--moving", moving_, "Only what moves");
     app.add_flag("--static", static_, "Only what stands still");
-    app.add_option("--limit", limit_, "At most so many (10000)");
+    option(app, "--limit", limit_, "At most so many (10000)");
     app.add_flag("--count", count_only_, "Only how many");
   }
 
   Exit run(Session& session, const Globals& globals) override {
     if (moving_ && static_) throw bad_use("--moving and --static exclude each other");
-    nlohmann::json arguments{{"name", glob_}, {"limit", count_only_ ? 0 : parse_count(limit_, 1)}};
+    nlohmann::json arguments{{"name", glob_}, {"limit", count_only_ ? 0 : limit_}};
     if (moving_ || static_) arguments["moving"] = moving_;
     const nlohmann::json answer = server_command(session, globals, wire::kList, arguments);
     const nlohmann::json objects = answer.value("objects", nlohmann::json::array());
@@ -252,12 +252,12 @@ class ListCommand : public Command {
   bool moving_ = false;
   bool static_ = false;
   bool count_only_ = false;
-  std::string limit_ = "10000";
+  std::uint64_t limit_ = 10'000;
 };
 
 class GetCommand : public Command {
  public:
-  void declare(CLI::App& app) override { app.add_option("name", name_, "Name of the object"); }
+  void declare(CLI::App& app) override { option(app, "name OBJECT", name_, "Name of the object"); }
 
   Exit run(Session& session, const Globals& globals) override {
     if (name_.empty()) throw bad_use("which object?", "collide ls lists their names");

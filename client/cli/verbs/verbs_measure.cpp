@@ -1,4 +1,3 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -10,6 +9,7 @@
 #include "client/cli/command.hpp"
 #include "client/cli/input/menu_questions.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/server_command.hpp"
 #include "idl/commands.hpp"
 
@@ -42,14 +42,15 @@ std::string opinion(const nlohmann::json& row) {
 class MenuCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("--questions", questions_, "Of each kind (1000)");
-    app.add_option("--seed", seed_, "Of the random questions (1)");
-    app.add_option("--from", from_,
-                   "Your own questions instead: a file, or - for stdin, in any form of a batch (collide help ray)");
-    app.add_option("--opinion", opinion_,
-                   "Ask another library about the pairs too: fcl, run by the server in processes of its own");
-    app.add_option("--of", of_, "What they are: ray, sphere, box, near");
-    app.add_option("--deadline", deadline_, "Ends with what there is by then: 2s");
+    option(app, "--questions", questions_, "Of each kind (1000)");
+    read_option(app, "--seed N", seed_, "Of the random questions (1)",
+                [](const std::string& text) { return parse_count(text); });
+    option(app, "--from FILE", from_,
+           "Your own questions instead: a file, or - for stdin, in any form of a batch (collide help ray)");
+    option(app, "--opinion WHOSE", opinion_,
+           "Ask another library about the pairs too: fcl, run by the server in processes of its own");
+    option(app, "--of KIND", of_, "What they are: ray, sphere, box, near");
+    option(app, "--deadline", deadline_, "Ends with what there is by then: 2s");
   }
 
   Exit run(Session& session, const Globals& globals) override {
@@ -73,13 +74,13 @@ class MenuCommand : public Command {
 
  private:
   nlohmann::json ask_random(Session& session, const Globals& globals) const {
-    nlohmann::json arguments{{"questions", parse_count(questions_, 1)}, {"seed", parse_count(seed_, 0)}};
+    nlohmann::json arguments{{"questions", questions_}, {"seed", seed_}};
     if (!opinion_.empty()) arguments["opinion"] = opinion_;
     limit(arguments);
     return server_command(session, globals, wire::kMenu, arguments);
   }
   void limit(nlohmann::json& arguments) const {
-    if (!deadline_.empty()) arguments["deadline_ns"] = parse_duration(deadline_).count();
+    if (deadline_) arguments["deadline_ns"] = deadline_->count();
   }
   nlohmann::json ask_own(Session& session, const Globals& globals) const {
     static constexpr std::array<std::string_view, 4> kKinds{"ray", "sphere", "box", "near"};
@@ -148,12 +149,12 @@ class MenuCommand : public Command {
     printer.record(record);
   }
 
-  std::string questions_ = "1000";
-  std::string seed_ = "1";
+  std::uint64_t questions_ = 1000;
+  std::uint64_t seed_ = 1;
   std::string from_;
   std::string of_;
   std::string opinion_;
-  std::string deadline_;
+  std::optional<std::chrono::nanoseconds> deadline_;
 };
 
 class AuditCommand : public Command {

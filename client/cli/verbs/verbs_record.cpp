@@ -1,10 +1,10 @@
-#include <CLI/CLI.hpp>
 #include <collided/recording.hpp>
 #include <fmt/format.h>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/line_reader.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/pace.hpp"
 #include "client/view/fence_recorder.hpp"
@@ -17,19 +17,18 @@ using Clock = std::chrono::steady_clock;
 class RecordCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("file", path_, "To write, an MCAP file")->required();
-    app.add_option("--for", most_time_, "End after this time; without it Ctrl-C ends");
-    app.add_option("--last", last_, "What the server took and wrote in its last 30s or less, from its flight recorder");
+    option(app, "file FILE", path_, "To write, an MCAP file")->required();
+    option(app, "--for", most_time_, "End after this time; without it Ctrl-C ends");
+    option(app, "--last", last_, "What the server took and wrote in its last 30s or less, from its flight recorder");
   }
 
   Exit run(Session& session, const Globals& globals) override {
-    if (!last_.empty() && !most_time_.empty()) throw bad_use("--for goes forward and --last back: one of them");
-    return last_.empty() ? follow(session, globals) : fetch(session, globals);
+    if (last_ && most_time_) throw bad_use("--for goes forward and --last back: one of them");
+    return last_ ? fetch(session, globals, *last_) : follow(session, globals);
   }
 
  private:
-  Exit fetch(Session& session, const Globals& globals) {
-    const auto last = parse_duration(last_);
+  Exit fetch(Session& session, const Globals& globals, std::chrono::nanoseconds last) {
     const std::uint64_t bytes = take(fetch_recording(connect_options(session.io, globals), last, path_));
     Printer printer = make_printer(session.io, globals);
     if (printer.human())
@@ -39,12 +38,11 @@ class RecordCommand : public Command {
   }
 
   Exit follow(Session& session, const Globals& globals) {
-    const auto most_time = most_time_.empty() ? std::chrono::nanoseconds::max() : parse_duration(most_time_);
     const ConnectOptions options = connect_options(session.io, globals);
     Recording recording = take(record(options, path_));
     view::FenceRecorder fences(recording, options.name_space);
     const Clock::time_point start = Clock::now();
-    const Until until(0, most_time);
+    const Until until(0, most_time_.value_or(std::chrono::nanoseconds::max()));
     {
       Progress progress(session.io, globals);
       while (!until.reached(0) && recording.counts().problem.empty()) {
@@ -86,15 +84,15 @@ class RecordCommand : public Command {
   }
 
   std::string path_;
-  std::string most_time_;
-  std::string last_;
+  std::optional<std::chrono::nanoseconds> most_time_;
+  std::optional<std::chrono::nanoseconds> last_;
 };
 
 class ReplayCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("file", options_.path, "A recording")->required();
-    app.add_option("--rate", rate_, "Of the recorded time (1)");
+    option(app, "file FILE", options_.path, "A recording")->required();
+    option(app, "--rate FACTOR", rate_, "Of the recorded time (1)");
     app.add_flag("--loop", loop_, "Over and over");
     app.add_flag("--start-paused", start_paused_, "Begin when a line comes on standard input");
     app.add_flag("--ask", options_.ask,

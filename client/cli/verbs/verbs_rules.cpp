@@ -1,10 +1,10 @@
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
 
 #include <nlohmann/json.hpp>
 
 #include "client/cli/command.hpp"
 #include "client/cli/input/number.hpp"
+#include "client/cli/input/option.hpp"
 #include "client/cli/server_command.hpp"
 #include "idl/commands.hpp"
 
@@ -22,8 +22,8 @@ void warn_of_empty(Session& session, const Globals& globals, const nlohmann::jso
 class AllowCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("names", names_, "Two globs: each object of the first with each of the second");
-    app.add_option("--because", because_, "Why they may touch, for whoever reads the list");
+    option(app, "names GLOB", names_, "Two globs: each object of the first with each of the second");
+    option(app, "--because TEXT", because_, "Why they may touch, for whoever reads the list");
     app.add_flag("--durable", durable_, "Refused where it would not outlive a crash of the server");
   }
   Exit run(Session& session, const Globals& globals) override {
@@ -81,7 +81,7 @@ class AllowCommand : public Command {
 class DenyCommand : public Command {
  public:
   void declare(CLI::App& app) override {
-    app.add_option("names", names_, "The two globs");
+    option(app, "names GLOB", names_, "The two globs");
     app.add_flag("--durable", durable_, "Refused where it would not outlive a crash of the server");
   }
   Exit run(Session& session, const Globals& globals) override {
