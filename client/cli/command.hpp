@@ -96,7 +96,6 @@ std::unique_ptr<Command> make_events();
 std::unique_ptr<Command> make_demo();
 std::unique_ptr<Command> make_shell();
 std::unique_ptr<Command> make_help();
-std::unique_ptr<Command> make_man();
 std::unique_ptr<Command> make_version();
 
 /// A verb whose words are not parsed here, such as check, convert and implicit: it gets them by take_words() before

@@ -5,16 +5,13 @@
 
 namespace collided::cli {
 
-/// A guide of deploy/docs, embedded by client/cli/guides/embed.cmake: `collide help NAME` and collided-NAME(7).
+/// A guide of deploy/docs as a terminal of 80 columns shows it, embedded by client/cli/guides/embed.cmake.
 struct Guide {
   std::string_view name;
-  std::string_view markdown;
+  std::string_view text;
 };
 
 /// In the order in which README lists them.
 std::span<const Guide> guides();
-
-/// Null for any other name.
-const Guide* find_guide(std::string_view name);
 
 }  // namespace collided::cli

@@ -5,8 +5,7 @@
 #include <fmt/format.h>
 
 #include "client/cli/global_options.hpp"
-#include "client/cli/guides/guide_page.hpp"
-#include "client/cli/output/terminal_width.hpp"
+#include "client/cli/guides/guides.hpp"
 #include "client/cli/output/suggest.hpp"
 #include "client/cli/output/wrapping.hpp"
 #include "client/cli/input/option.hpp"
@@ -77,11 +76,13 @@ std::string guide_lines() {
   return text + line + '\n';
 }
 
-void print_guide(Session& session, const Globals& globals, const Guide& guide) {
-  constexpr std::size_t kPipeColumns = 100;
-  const std::size_t width = terminal_width(session.io);
-  session.io.out << guide_page(guide, width == 0 ? kPipeColumns : width,
-                               color_wanted(session.io, globals, session.io.out_is_terminal));
+void print_common_options(Io& io) {
+  io.out << "Options that every verb has\n";
+  CLI::App app("", "collide");
+  app.set_help_flag();
+  Globals ignored;
+  declare_globals(app, ignored);
+  print_options(io, app, true);
 }
 
 class HelpCommand : public Command {
@@ -96,8 +97,8 @@ class HelpCommand : public Command {
       print_common_options(session.io);
       return Exit::yes;
     }
-    if (const Guide* guide = find_guide(verb_)) {
-      print_guide(session, globals, *guide);
+    if (const auto guide = std::ranges::find(guides(), verb_, &Guide::name); guide != guides().end()) {
+      session.io.out << guide->text;
       return Exit::yes;
     }
     const Verb* verb = find_verb(verb_);
@@ -147,15 +148,6 @@ void print_help(Io& io) {
     io.out << line << '\n';
   }
   io.out << guide_lines();
-}
-
-void print_common_options(Io& io) {
-  io.out << "Options that every verb has\n";
-  CLI::App app("", "collide");
-  app.set_help_flag();
-  Globals ignored;
-  declare_globals(app, ignored);
-  print_options(io, app, true);
 }
 
 void print_verb_help(Io& io, const Verb& verb, const CLI::App& app) {

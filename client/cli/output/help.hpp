@@ -7,9 +7,6 @@ namespace collided::cli {
 /// Prints the help of `collide` alone: what it is, two examples, the verbs by group, the guides.
 void print_help(Io& io);
 
-/// Prints the help of `collide help options`.
-void print_common_options(Io& io);
-
 /// Prints the help of `collide VERB -h`.
 void print_verb_help(Io& io, const Verb& verb, const CLI::App& app);
 

@@ -187,8 +187,6 @@ constexpr Verb kVerbs[] = {
      make_keys},
     {"help", "More", "what a verb does, or a guide", "help [VERB|GUIDE|options]", "help ray\nhelp asking\nhelp options",
      make_help},
-    {"man", "", "manual pages in roff: of collide, of a guide, of the server", "man [GUIDE]\nman --server",
-     "man asking | man -l -", make_man},
     {"completion", "More", "completion of verbs, options and object names for a shell", "completion bash|zsh|fish",
      "completion bash > ~/.local/share/bash-completion/completions/collide", make_completion},
     {"complete", "", "what may stand where a command line is being typed, for a shell", "complete -- WORDS", "",
