@@ -167,35 +167,14 @@ inline constexpr const char* kPair = "pair";
 /// Why two objects touch or do not, and why events do or do not say so.
 /// a, b (names), last_ns (how far back their paths are looked at; absent: as far as poses are remembered), as_of (as of
 /// pair; their paths then end there), deadline_ns (as of pair)
-/// -> as pair without triangles and certificate, and why_not [sentence] (why no contact of the two is ever told; empty: it
-///    would be), attached (name of the one that moves along with the other; empty: none does), version,
-///    nearest {end (found; touched; undecided; cut_short: the deadline), from_ns, to_ns, time_ns (world time), distance,
-///    error, at_least (m; at no time of the stretch nearer), looks}, or no_nearest (why)
+/// -> as pair without triangles and certificate, and the members of ExplainedPair
 /// With ray [origin 3, direction 3]: why it meets what it meets. length (m; absent: endless), only, skip, mask (as of a
 /// ray), most (misses told; 3), why_not (name of an object that is told of in any case), as_of, deadline_ns
-/// -> answer, reason, level (double, expansion, rational), nodes, exact_tests, objects, left_out_count, boxes_met (counts),
-///    met [{object, kind, distance, error, point, normal, triangle, part (which of several primitives), level, inside,
-///    stale, age_ns}] (each object once, in order; the first is the answer), left_out (likewise, and why: what would have
-///    come first but for the filter), misses [{object, answer, distance, error, along (m from the origin), on_ray,
-///    on_object, point_error, triangle, box_met, where (beside, start, end: of the ray), why}] (nearest first), stale
-///    [{object, age_ns, from (m along the ray)}], unknown [names], not_covered {point, covered (m)}, cut (true: more hits
-///    than are looked at), late (true: the deadline was over), time_ns, version
-/// With fence: its name. why_not, most (of outside), deadline_ns as above
-/// -> fence, kind, to, only, skip, mask, tells, keep, placed (false: its carrier is not there), looked_at (count),
-///    inside [{object, answer (inside, outside, undecided: where both are now), clearance (m; negative: depth), error,
-///    on_fence, on_object, stale, why (it is not looked at), told, since_ns, episode, doubt}] (those of whom it was told),
-///    outside (likewise: the nearest others), left_out (likewise: in it, and not looked at), asked_for (likewise), events
-///    [{sequence, what (enter, exit), object, why, doubt, low_ns, high_ns}] (its last 10 that are remembered), late,
-///    time_ns, version
-/// With nearest: the name of a question for the nearest; likewise
-/// -> nearest, to or point, only, skip, mask, within, hysteresis, keep, cut_short (as of `fences`), placed, looked_at, is (as
-///    inside: the nearest, or none), others (as outside), left_out (nearer than that, and not looked at), asked_for, events,
-///    late, time_ns, version
-/// With event: its sequence, and of ("contacts", "fences"); deadline_ns
-/// -> sequence, of, what, why, doubt, a, b, a_triangle, b_triangle, episode, began_ns, depth, error, point, normal,
-///    world_time_ns, low_ns, high_ns (the bracket), margin, within (only of bands: then b has them), bodies [{object,
-///    remembered, moving, publisher, pose, motion_from_ns, motion_to_ns}], before, after {time_ns, answer, clearance,
-///    error} (at the bracket's ends, where remembered), why_wide [sentence], version
+/// -> ExplainedRay
+/// With fence: its name. why_not, most (of outside), deadline_ns as above -> ExplainedFence
+/// With nearest: the name of a question for the nearest; likewise -> ExplainedNearest
+/// With event: its sequence, and of ("contacts", "fences"); deadline_ns -> ExplainedEvent
+/// Of the structs idl/answers/explanation.hpp lists the members.
 inline constexpr const char* kExplain = "explain";
 
 /// Rules of which pairs may touch: their contacts are none, and end with reason `allowed`. The last rule that fits a pair

@@ -321,7 +321,8 @@ COLLIDED_API int collided_deny(collided_client* client, const char* a, const cha
 COLLIDED_API int collided_attach(collided_client* client, const char* child, const char* parent, collided_error* error);
 COLLIDED_API int collided_detach(collided_client* client, const char* child, collided_error* error);
 
-/* Sends any command; arguments and answer are JSON objects, which idl/commands.hpp of the sources describes.
+/* Sends any command; arguments and answer are JSON objects, which idl/commands.hpp of the sources describes. "explain" says why
+ * an answer is what it is; the members of its answers are in idl/answers/explanation.hpp.
  * answer  to be given to collided_free_text */
 COLLIDED_API int collided_command(collided_client* client, const char* name, const char* json_arguments,
                                   int64_t timeout_ns, char** answer, collided_error* error);
@@ -599,138 +600,6 @@ COLLIDED_API int collided_recorded_nearest_event(const collided_recorded_fences*
                                                  collided_nearest_event* event);
 /* A sentence about damage of the file, or what is missing; null for a number that is too large. */
 COLLIDED_API const char* collided_recorded_warning(const collided_recorded_fences* recorded, size_t number);
-
-/* ---- Why? ---- */
-
-typedef struct collided_explanation collided_explanation;
-
-/* Zero, null or an empty text: the default of collided::ExplainOptions. */
-typedef struct collided_explain_options {
-  uint32_t size;
-  uint32_t left_out_layers; /* rays: bits; objects with no other layers may not answer */
-  const char* only;         /* rays */
-  const char* skip;         /* rays */
-  const char* why_not;      /* rays, fences: an object that is told of in any case */
-  uint32_t most;            /* rays, fences: misses, or objects outside, that are told; 0: 3 */
-  int32_t instant;          /* rays, pairs: as of collided_ask_options */
-  int64_t instant_ns;
-  int64_t last_ns; /* pairs: how far back their paths are looked at; 0: all that is remembered */
-  int64_t deadline_ns;
-  int64_t timeout_ns;
-} collided_explain_options;
-
-/* Each says why an answer is what it is: of a ray, of two objects, of a fence, of an event.
- * options   may be null
- * returns   in *explanation, to be given to collided_free_explanation; null after an error */
-COLLIDED_API int collided_explain_ray(collided_client* client, const double* origin, const double* direction,
-                                      double length_m, const collided_explain_options* options,
-                                      collided_explanation** explanation, collided_error* error);
-COLLIDED_API int collided_explain_pair(collided_client* client, const char* a, const char* b,
-                                       const collided_explain_options* options, collided_explanation** explanation,
-                                       collided_error* error);
-COLLIDED_API int collided_explain_fence(collided_client* client, const char* name,
-                                        const collided_explain_options* options, collided_explanation** explanation,
-                                        collided_error* error);
-/* A question for the nearest: rows as of a fence, INSIDE the nearest, OUTSIDE the others. */
-COLLIDED_API int collided_explain_nearest(collided_client* client, const char* name,
-                                          const collided_explain_options* options, collided_explanation** explanation,
-                                          collided_error* error);
-/* of_fences  0: an event of contacts; 1: of fences, margins and questions for the nearest */
-COLLIDED_API int collided_explain_event(collided_client* client, uint64_t sequence, int32_t of_fences,
-                                        const collided_explain_options* options, collided_explanation** explanation,
-                                        collided_error* error);
-COLLIDED_API void collided_free_explanation(collided_explanation* explanation);
-
-/* An explanation as a whole; members that are not of its kind are zero, and texts empty. Texts are valid until it is freed. */
-typedef struct collided_explained {
-  uint32_t size;
-  int32_t verdict;       /* rays, pairs */
-  int32_t reason;        /* of an undecided one, as in collided_columns */
-  int32_t rung;          /* rays: the arithmetic that was needed: 0 double, 1 expansions, 2 rationals */
-  int32_t late;          /* the deadline was over, and nearer misses may be missing */
-  int32_t cut;           /* rays: there are more hits than are looked at */
-  int32_t stale;         /* pairs: one of the two may be elsewhere */
-  int32_t has_uncovered; /* rays: it leaves the space in which the geometry is complete, after covered_m */
-  double covered_m;
-  uint64_t nodes;       /* rays: boxes of indexes that were opened */
-  uint64_t exact_tests; /* rays */
-  uint64_t objects;     /* rays: in the world; fences: that it looks at */
-  uint64_t candidates;  /* rays: objects whose box it meets and that may answer */
-  uint64_t left_out;    /* rays: objects that the filter leaves out */
-  double clearance_m;   /* pairs: the distance, or minus the depth */
-  double error_m;
-  int32_t has_nearest; /* pairs: the next seven mean something */
-  int32_t end;         /* 0 found, 1 touched, 2 undecided, 3 cut short: only at_least_m holds */
-  int64_t from_ns;     /* the stretch that was looked at */
-  int64_t to_ns;
-  int64_t nearest_ns; /* when the two were nearest */
-  double nearest_m;
-  double nearest_error_m;
-  double at_least_m;  /* at no time of the stretch were they nearer */
-  const char* what;   /* events: began, ended, enter, ... */
-  const char* why;    /* events: of an end; pairs: why there is no nearest */
-  const char* doubt;  /* events */
-  const char* a;      /* events; fences: its name */
-  const char* b;      /* events; fences: the object that it is fixed to */
-  uint64_t sequence;  /* events */
-  uint64_t cut_short; /* the nearest: searches that ended at their limit */
-  int64_t low_ns;     /* events: it happened between these two */
-  int64_t high_ns;
-  uint64_t version;
-  int64_t world_time_ns;
-} collided_explained;
-COLLIDED_API void collided_read_explained(const collided_explanation* explanation, collided_explained* explained);
-
-enum {
-  COLLIDED_MET = 0,       /* rays: met, in order; the first is the answer */
-  COLLIDED_LEFT_OUT = 1,  /* rays, fences: would answer, or is in, but for the filter that `why` names */
-  COLLIDED_PASSED = 2,    /* rays: nearest first, then the one that was asked for */
-  COLLIDED_STALE = 3,     /* rays: its publisher is lost; it may be in the way from `along_m` on */
-  COLLIDED_UNKNOWN = 4,   /* rays: unknown space whose box is met */
-  COLLIDED_INSIDE = 5,    /* fences: of whom it was told, deepest first */
-  COLLIDED_OUTSIDE = 6,   /* fences: nearest first */
-  COLLIDED_ASKED_FOR = 7, /* fences: the object in why_not */
-  COLLIDED_REASON =
-      8, /* a sentence in `why`: what keeps a pair's contacts from being told, why an event's bracket is wide */
-  COLLIDED_NEWS = 9,    /* fences: an event of the last that are remembered */
-  COLLIDED_BODY = 10,   /* events: one of the two */
-  COLLIDED_BEFORE = 11, /* events: how the two stood to each other at low_ns */
-  COLLIDED_AFTER = 12   /* and at high_ns */
-};
-
-/* One thing that an explanation names; members that are not of its role are zero, and texts empty. */
-typedef struct collided_explained_row {
-  uint32_t size;
-  int32_t role;
-  int32_t verdict; /* passed: miss or undecided; of fences hit: in; before, after: hit: touching */
-  int32_t rung;    /* met, left out of a ray: as above */
-  const char* object;
-  const char* what;  /* met: the kind of shape; news: enter, exit; body: its publisher */
-  const char* why;   /* why it is left out; news: why it ended */
-  const char* doubt; /* inside, news */
-  double
-      distance_m; /* of a ray along it, passed: the least; of fences and gaps: minus the depth where in or touching */
-  double error_m;
-  double along_m;      /* passed, stale: where on the ray */
-  double point[3];     /* met: where; passed: on the ray; body: its position */
-  double on_object[3]; /* passed */
-  uint32_t triangle;   /* 0xffffffff: none */
-  uint32_t part;       /* met: which of several primitives; 0xffffffff: all of it */
-  int32_t where;       /* passed: 0 beside the ray, 1 at its start, 2 at its end */
-  int32_t box_met;     /* passed: it was a candidate */
-  int32_t inside;      /* met: the ray begins in it */
-  int32_t stale;
-  int32_t told;      /* fences: it was told that it is in */
-  int32_t known;     /* body: where it was is remembered */
-  uint64_t sequence; /* news; inside: of the coming in */
-  int64_t age_ns;    /* met, stale: of its pose; 0: it stands */
-  int64_t from_ns;   /* inside: since when; news, body: the bracket, the motion; before, after: when */
-  int64_t to_ns;
-} collided_explained_row;
-COLLIDED_API size_t collided_explained_count(const collided_explanation* explanation);
-/* COLLIDED_NOTHING for a number that is too large. */
-COLLIDED_API int collided_read_explained_row(const collided_explanation* explanation, size_t number,
-                                             collided_explained_row* row);
 
 /* ---- Publishing ---- */
 

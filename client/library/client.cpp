@@ -7,7 +7,6 @@
 #include "client/library/commands/upload.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/workers.hpp"
-#include "client/library/explaining/explanations.hpp"
 #include "client/library/publishing/publisher.hpp"
 #include "client/library/watching/fences.hpp"
 #include "client/library/watching/margins.hpp"
@@ -102,22 +101,6 @@ Result<PairAnswer> Client::pair(const std::string& a, const std::string& b, cons
 
 Result<ClearanceAnswer> Client::clearance(const std::string& from, const ClearanceOptions& options) {
   return client::clearance(*state_->connection, from, options);
-}
-
-Result<ExplainedRay> Client::explain_ray(const RayQuestion& ray, const ExplainOptions& options) {
-  return client::explain_ray(*state_->connection, ray, options);
-}
-Result<ExplainedPair> Client::explain_pair(const std::string& a, const std::string& b, const ExplainOptions& options) {
-  return client::explain_pair(*state_->connection, a, b, options);
-}
-Result<ExplainedFence> Client::explain_fence(const std::string& name, const ExplainOptions& options) {
-  return client::explain_fence(*state_->connection, name, options);
-}
-Result<ExplainedNearest> Client::explain_nearest(const std::string& name, const ExplainOptions& options) {
-  return client::explain_nearest(*state_->connection, name, options);
-}
-Result<ExplainedEvent> Client::explain_event(std::uint64_t sequence, EventsOf of, const ExplainOptions& options) {
-  return client::explain_event(*state_->connection, sequence, of, options);
 }
 
 Result<void> Client::add_probe(const Probe& probe) { return client::add_probe(*state_->connection, probe); }

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include "idl/answers/explanation.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
@@ -117,6 +118,8 @@ json event_answer() {
           {"doubt", ""},
           {"a", "drone"},
           {"b", "tower"},
+          {"a_triangle", 4294967295u},
+          {"b_triangle", 4294967295u},
           {"depth", 0.1},
           {"error", 1e-16},
           {"point", {0, 0, 0}},
@@ -272,6 +275,30 @@ TEST_F(ExplainVerb, AnEventsExplanationReadsAsLines) {
   EXPECT_FALSE(asked.contains("of"));
   EXPECT_EQ(collide("explain event 881 --of fences --json").code, 0);
   EXPECT_EQ(asked.at("of"), "fences");
+}
+
+TEST_F(ExplainVerb, WhatIsReadIsWrittenAgainAsItWas) {
+  EXPECT_EQ(json_of(from_json<ExplainedRay>(ray_answer())), ray_answer());
+  EXPECT_EQ(json_of(from_json<ExplainedFence>(fence_answer())), fence_answer());
+  EXPECT_EQ(json_of(from_json<ExplainedNearest>(nearest_answer())), nearest_answer());
+  EXPECT_EQ(json_of(from_json<ExplainedEvent>(event_answer())), event_answer());
+}
+
+TEST_F(ExplainVerb, AnAnswerThatDoesNotFitIsNamedByThePlace) {
+  const auto fault_of = [](const json& wrong) {
+    try {
+      from_json<ExplainedFence>(wrong);
+    } catch (const json::exception& unfit) { return std::string(unfit.what()); }
+    return std::string();
+  };
+  json wrong = fence_answer();
+  wrong["inside"][0].erase("clearance");
+  EXPECT_NE(fault_of(wrong).find("inside/0/clearance is missing"), std::string::npos) << fault_of(wrong);
+  wrong["inside"][0]["clearance"] = "far";
+  EXPECT_NE(fault_of(wrong).find("inside/0/clearance is not a number"), std::string::npos) << fault_of(wrong);
+  wrong["inside"][0]["clearance"] = "inf";
+  wrong["left_out"][0]["answer"] = "somewhere";
+  EXPECT_NE(fault_of(wrong).find("left_out/0/answer is a word"), std::string::npos) << fault_of(wrong);
 }
 
 TEST_F(ExplainVerb, WhatIsNoQuestionIsRefusedAndNothingIsSent) {

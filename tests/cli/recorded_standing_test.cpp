@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "client/cli/verbs/recorded_standing.hpp"
+#include "idl/answers/explanation.hpp"
 #include "idl/fence_ids.hpp"
 #include "tests/cli/fakes/event_recording.hpp"
 #include "tests/cli/scratch_file.hpp"
@@ -26,10 +27,14 @@ constexpr std::uint64_t kNext = wire_contract::kNearestBits | 5;
 
 std::chrono::nanoseconds s(double seconds) { return std::chrono::nanoseconds(std::llround(seconds * 1e9)); }
 
-json row(const char* object, double clearance_m, bool is_told = false) {
-  json told{{"object", object}, {"answer", clearance_m > 0 ? "outside" : "inside"}, {"clearance", clearance_m}};
+ExplainedStanding standing(const char* object, double clearance_m, bool is_told = false) {
+  ExplainedStanding told{.object = object,
+                         .verdict = clearance_m > 0 ? Verdict::miss : Verdict::hit,
+                         .clearance_m = clearance_m,
+                         .told = is_told};
   // As a replay that began a moment ago has it.
-  if (is_told) told.update({{"told", true}, {"since_ns", 7}, {"episode", 1}, {"doubt", ""}});
+  if (is_told) told.since = std::chrono::nanoseconds(7);
+  if (is_told) told.episode = 1;
   return told;
 }
 
@@ -58,66 +63,67 @@ class RecordedStanding : public testing::Test {
 };
 
 TEST_F(RecordedStanding, OfAFenceIsWhoWasInThenAndWhatWasTold) {
-  const json fresh{
-      {"fence", "dock"},           {"inside", {row("drone", -0.5, true)}},  {"outside", {row("crate", 0.1)}},
-      {"left_out", json::array()}, {"asked_for", row("drone", -0.5, true)}, {"events", {{{"sequence", 1}}}}};
-  json then = fresh;
-  put_recorded_news_of_fence(then, file_.path(), s(102));
-  const json drone = then.at("inside").at(0);
-  EXPECT_EQ(drone.at("since_ns"), s(100.999).count());
-  EXPECT_EQ(drone.at("episode"), 7);
-  EXPECT_EQ(then.at("asked_for"), drone);
+  const ExplainedFence fresh{.fence = "dock",
+                             .inside = {standing("drone", -0.5, true)},
+                             .outside = {standing("crate", 0.1)},
+                             .asked_for = standing("drone", -0.5, true),
+                             .events = {{.sequence = 1}}};
+  ExplainedFence then = fresh;
+  put_recorded_news(then, file_.path(), s(102));
+  const ExplainedStanding& drone = then.inside.at(0);
+  EXPECT_TRUE(drone.told);
+  EXPECT_EQ(drone.since, s(100.999));
+  EXPECT_EQ(drone.episode, 7U);
+  EXPECT_EQ(json_of(*then.asked_for), json_of(drone));
   // It had been told of before the recording; that it stands outside now is another thing.
-  EXPECT_EQ(then.at("outside").at(0).at("since_ns"), s(90).count());
-  EXPECT_EQ(then.at("events"), json::parse(R"([{"sequence":7,"what":"enter","object":"drone","why":"","doubt":"",
+  EXPECT_EQ(then.outside.at(0).since, s(90));
+  EXPECT_EQ(json_of(then.events), json::parse(R"([{"sequence":7,"what":"enter","object":"drone","why":"","doubt":"",
       "low_ns":100998000000,"high_ns":100999000000}])"));
 
-  json at_end = fresh;
-  put_recorded_news_of_fence(at_end, file_.path(), std::chrono::nanoseconds::max());
-  EXPECT_FALSE(at_end.at("inside").at(0).contains("told"));
-  EXPECT_FALSE(at_end.at("inside").at(0).contains("since_ns"));
-  ASSERT_EQ(at_end.at("events").size(), 2U);
-  EXPECT_EQ(at_end.at("events").at(1).at("what"), "exit");
-  EXPECT_EQ(at_end.at("events").at(1).at("why"), "separated");
-  EXPECT_EQ(at_end.at("events").at(1).at("sequence"), 9);
+  ExplainedFence at_end = fresh;
+  put_recorded_news(at_end, file_.path(), std::chrono::nanoseconds::max());
+  EXPECT_FALSE(at_end.inside.at(0).told);
+  EXPECT_FALSE(at_end.inside.at(0).since);
+  ASSERT_EQ(at_end.events.size(), 2U);
+  EXPECT_EQ(at_end.events.at(1).what, "exit");
+  EXPECT_EQ(at_end.events.at(1).why, "separated");
+  EXPECT_EQ(at_end.events.at(1).sequence, 9U);
 }
 
 // With a hysteresis another one may be nearer; the recording says who was told.
 TEST_F(RecordedStanding, OfAQuestionIsWhoWasNearestThen) {
-  const json fresh{{"nearest", "next"},
-                   {"is", {row("drone", 1, true)}},
-                   {"others", {row("crate", 1.5), row("van", 2), row("bus", 3)}},
-                   {"left_out", json::array()},
-                   {"events", json::array()},
-                   {"cut_short", 4}};
-  json then = fresh;
-  put_recorded_news_of_nearest(then, file_.path(), s(103), 2);
-  ASSERT_EQ(then.at("is").size(), 1U);
-  EXPECT_EQ(then.at("is").at(0).at("object"), "crate");
-  EXPECT_EQ(then.at("is").at(0).at("since_ns"), s(102).count());
-  ASSERT_EQ(then.at("others").size(), 2U);
-  EXPECT_EQ(then.at("others").at(0).at("object"), "drone");
-  EXPECT_FALSE(then.at("others").at(0).contains("told"));
-  EXPECT_EQ(then.at("others").at(1).at("object"), "van");
-  EXPECT_FALSE(then.contains("cut_short")) << "of the replay";
+  const ExplainedNearest fresh{.nearest = "next",
+                               .is = standing("drone", 1, true),
+                               .others = {standing("crate", 1.5), standing("van", 2), standing("bus", 3)},
+                               .cut_short = 4};
+  ExplainedNearest then = fresh;
+  put_recorded_news(then, file_.path(), s(103), 2);
+  ASSERT_TRUE(then.is);
+  EXPECT_EQ(then.is->object, "crate");
+  EXPECT_EQ(then.is->since, s(102));
+  ASSERT_EQ(then.others.size(), 2U);
+  EXPECT_EQ(then.others.at(0).object, "drone");
+  EXPECT_FALSE(then.others.at(0).told);
+  EXPECT_EQ(then.others.at(1).object, "van");
+  EXPECT_EQ(then.cut_short, 0U) << "of the replay";
 
-  json at_end = fresh;
-  put_recorded_news_of_nearest(at_end, file_.path(), std::chrono::nanoseconds::max(), 3);
-  EXPECT_EQ(at_end.at("is").at(0).at("object"), "drone");
-  EXPECT_EQ(at_end.at("others").size(), 3U);
-  EXPECT_EQ(at_end.at("is").at(0).at("since_ns"), s(104).count());
+  ExplainedNearest at_end = fresh;
+  put_recorded_news(at_end, file_.path(), std::chrono::nanoseconds::max(), 3);
+  ASSERT_TRUE(at_end.is);
+  EXPECT_EQ(at_end.is->object, "drone");
+  EXPECT_EQ(at_end.others.size(), 3U);
+  EXPECT_EQ(at_end.is->since, s(104));
   std::vector<std::string> told;
-  for (const json& event : at_end.at("events"))
-    told.push_back(event.at("what").get<std::string>() + ' ' + event.at("object").get<std::string>() + ' ' +
-                   event.at("why").get<std::string>() + ' ' + event.at("sequence").dump());
+  for (const ExplainedNews& event : at_end.events)
+    told.push_back(event.what + ' ' + event.object + ' ' + event.why + ' ' + std::to_string(event.sequence));
   EXPECT_EQ(told, (std::vector<std::string>{"nearest crate  8", "no longer nearest crate separated 10",
                                             "nearest drone  11"}));
 
-  json before = fresh;
-  put_recorded_news_of_nearest(before, file_.path(), s(101), 3);
-  EXPECT_TRUE(before.at("is").empty()) << "nothing was told yet";
-  EXPECT_EQ(before.at("others").at(0).at("object"), "drone");
-  EXPECT_TRUE(before.at("events").empty());
+  ExplainedNearest before = fresh;
+  put_recorded_news(before, file_.path(), s(101), 3);
+  EXPECT_FALSE(before.is) << "nothing was told yet";
+  EXPECT_EQ(before.others.at(0).object, "drone");
+  EXPECT_TRUE(before.events.empty());
 }
 
 }  // namespace

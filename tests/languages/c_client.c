@@ -530,26 +530,29 @@ static void recordings(collided_client* client) {
   collided_free_text(answer);
 }
 
+/* An answer of the command `explain`, to be freed. */
+static char* explained(collided_client* client, const char* arguments) {
+  collided_error error;
+  char* answer = NULL;
+  error.size = sizeof error;
+  must(collided_command(client, "explain", arguments, 10000000000L, &answer, &error), &error, arguments);
+  return answer;
+}
+
 /* Why a ray meets the floor and neither the glass nor the mast, and what is behind a fence and an event of it. */
 static void explanations(collided_client* client) {
-  static const double origin[3] = {900, 0, 5};
-  static const double down[3] = {0, 0, -1};
   static const char* const names[3] = {"c_glass", "c_floor", "c_mast"};
   static const double places[3][3] = {{900, 0, 2}, {900, 0, -0.5}, {901, 0, 2}};
   collided_error error;
   collided_part part;
   collided_object object;
   collided_fence fence;
-  collided_explain_options options;
-  collided_explanation* told = NULL;
-  collided_explained whole;
-  collided_explained_row row;
-  uint64_t removed = 0, sequence = 0;
+  char question[64];
+  char* answer;
+  const char* news;
+  uint64_t removed = 0;
   size_t i;
-  int seen = 0;
   error.size = sizeof error;
-  whole.size = sizeof whole;
-  row.size = sizeof row;
   memset(&part, 0, sizeof part);
   part.size = sizeof part;
   part.kind = COLLIDED_BOX;
@@ -564,28 +567,13 @@ static void explanations(collided_client* client) {
     memcpy(object.position, places[i], sizeof object.position);
     must(collided_add(client, &object, NULL, &error), &error, "add a box");
   }
-  memset(&options, 0, sizeof options);
-  options.size = sizeof options;
-  options.left_out_layers = 2;
-  options.why_not = "c_mast";
-  options.most = 1;
-  must(collided_explain_ray(client, origin, down, HUGE_VAL, &options, &told, &error), &error, "explain a ray");
-  collided_read_explained(told, &whole);
-  expect(whole.verdict == COLLIDED_HIT && whole.rung == 0 && whole.left_out >= 1 && !whole.has_uncovered, "the ray");
-  for (i = 0; collided_read_explained_row(told, i, &row) == COLLIDED_OK; ++i) {
-    if (row.role == COLLIDED_MET && !strcmp(row.object, "c_floor"))
-      seen |= fabs(row.distance_m - 5) <= row.error_m && !strcmp(row.what, "box") ? 1 : 0;
-    if (row.role == COLLIDED_LEFT_OUT && !strcmp(row.object, "c_glass")) seen |= strstr(row.why, "mask") ? 2 : 0;
-    if (row.role == COLLIDED_PASSED && !strcmp(row.object, "c_mast"))
-      seen |= fabs(row.distance_m - 0.5) <= row.error_m + 1e-12 && row.where == 0 && !row.box_met ? 4 : 0;
-  }
-  expect(seen == 7 && i == collided_explained_count(told), "what it met, what was left out and what it passed");
-  collided_free_explanation(told);
-  must(collided_explain_pair(client, "c_mast", "c_floor", NULL, &told, &error), &error, "explain a pair");
-  collided_read_explained(told, &whole);
-  expect(whole.verdict == COLLIDED_MISS && whole.clearance_m > 1 && whole.has_nearest && whole.end == 0, "the pair");
-  expect(whole.at_least_m <= whole.nearest_m + whole.nearest_error_m, "at no time nearer");
-  collided_free_explanation(told);
+  answer = explained(client, "{\"ray\":[900,0,5,0,0,-1],\"mask\":1,\"why_not\":\"c_mast\",\"most\":1}");
+  expect(strstr(answer, "\"answer\":\"hit\"") && strstr(answer, "are not in the mask 0x1") &&
+             strstr(answer, "\"box_met\":false") && strstr(answer, "\"object\":\"c_floor\""), "the ray");
+  collided_free_text(answer);
+  answer = explained(client, "{\"a\":\"c_mast\",\"b\":\"c_floor\"}");
+  expect(strstr(answer, "\"answer\":\"miss\"") && strstr(answer, "\"end\":\"found\""), "the pair");
+  collided_free_text(answer);
 
   memset(&fence, 0, sizeof fence);
   fence.size = sizeof fence;
@@ -597,22 +585,15 @@ static void explanations(collided_client* client) {
   fence.only = "c_m*";
   must(collided_fence_add(client, &fence, &error), &error, "add a fence");
   must(collided_move(client, "c_mast", part.numbers + 3, NULL, 0, &error), &error, "move into it");
-  must(collided_explain_fence(client, "c_yard", NULL, &told, &error), &error, "explain a fence");
-  collided_read_explained(told, &whole);
-  expect(!strcmp(whole.a, "c_yard") && whole.objects == 1 && !whole.late, "the fence");
-  for (i = 0; collided_read_explained_row(told, i, &row) == COLLIDED_OK; ++i) {
-    if (row.role == COLLIDED_INSIDE)
-      expect(row.verdict == COLLIDED_HIT && row.told && !strcmp(row.object, "c_mast") && row.distance_m < 0, "who is in");
-    if (row.role == COLLIDED_NEWS) sequence = row.sequence;
-  }
-  collided_free_explanation(told);
-  must(collided_explain_event(client, sequence, 1, NULL, &told, &error), &error, "explain an event");
-  collided_read_explained(told, &whole);
-  expect(!strcmp(whole.what, "enter") && !strcmp(whole.a, "c_mast") && whole.low_ns <= whole.high_ns, "the event");
-  collided_free_explanation(told);
-  expect(collided_explain_nearest(client, "c_none", NULL, &told, &error) == COLLIDED_REFUSED && !told, "no such question");
-  expect(collided_explain_fence(client, "c_none", NULL, &told, &error) == COLLIDED_REFUSED && !told, "no such fence");
-  expect(collided_explain_pair(NULL, "a", "b", NULL, &told, &error) != COLLIDED_OK, "no client");
+  answer = explained(client, "{\"fence\":\"c_yard\"}");
+  expect(strstr(answer, "\"looked_at\":1") && strstr(answer, "\"told\":true"), "the fence");
+  news = strstr(answer, "\"sequence\":");
+  sprintf(question, "{\"event\":%lu,\"of\":\"fences\"}", news ? strtoul(news + strlen("\"sequence\":"), NULL, 10) : 0);
+  collided_free_text(answer);
+  answer = explained(client, question);
+  expect(strstr(answer, "\"what\":\"enter\"") && strstr(answer, "\"a\":\"c_mast\""), "the event");
+  collided_free_text(answer);
+  expect(collided_command(client, "explain", "{\"fence\":\"c_none\"}", 0, &answer, &error) == COLLIDED_REFUSED, "no such fence");
   must(collided_fence_remove(client, "c_yard", NULL, &error), &error, "remove the fence");
   for (i = 0; i < 3; ++i) must(collided_remove(client, names[i], &removed, &error), &error, "remove a box");
 }

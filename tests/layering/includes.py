@@ -13,7 +13,7 @@ import sys
 
 ROOMS = ("server", "client", "idl")
 # Where the include path begins, beside the root of the repository.
-PUBLIC = ("client/include", "server/vcollide/include")
+PUBLIC = ("client/include", "idl/include", "server/vcollide/include")
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*(["<])([^">]+)[">]', re.M)
 NOISE = re.compile(r'//[^\n]*|/\*.*?\*/|R"(\w*)\(.*?\)\1"|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])+\'', re.S)
 # At the beginning of a line stands what a namespace holds, not what a class does.

@@ -21,6 +21,7 @@
 #include "client/cli/server_command.hpp"
 #include "client/cli/verbs/recorded_standing.hpp"
 #include "client/cli/verbs/undo.hpp"
+#include "idl/answers/explanation.hpp"
 #include "idl/commands.hpp"
 #include "idl/glob.hpp"
 #include "idl/instant.hpp"
@@ -106,7 +107,7 @@ class RecordedServer {
       print_hint(outer_.io, outer_globals_, "warning: " + printable(warning));
     if (failed) std::rethrow_exception(failed);
     if (report.stopped) throw Failure(Exit::interrupted, "");
-    answer.erase("version");  // that of the replayed world says nothing of the recorded one
+    answer["version"] = 0;  // that of the replayed world says nothing of the recorded one
     return answer;
   }
 
@@ -231,11 +232,14 @@ nlohmann::json explain_recorded_standing(Session& session, const Globals& global
     }
   };
   // What it had told is in the recording, so nothing needs to move again in time.
-  nlohmann::json answer = server.answer_after({.from = instant, .to = instant}, ask_then);
+  const nlohmann::json answer = server.answer_after({.from = instant, .to = instant}, ask_then);
   const nanoseconds through = world.as_of.empty() ? nanoseconds::max() : instant;
-  if (is_nearest) put_recorded_news_of_nearest(answer, world.path, through, most);
-  else put_recorded_news_of_fence(answer, world.path, through);
-  return answer;
+  const auto with_news = [&](auto told, auto... how_many) {
+    put_recorded_news(told, world.path, through, how_many...);
+    return json_of(told);
+  };
+  return is_nearest ? with_news(from_json<ExplainedNearest>(answer), most)
+                    : with_news(from_json<ExplainedFence>(answer));
 }
 
 nlohmann::json explain_recorded_event(Session& session, const Globals& globals, const RecordedWorld& world,

@@ -24,7 +24,7 @@ struct RecordedWorld {
 using AskExplanation = std::function<nlohmann::json(Session&, const Globals&, nlohmann::json arguments)>;
 
 /// Explains a ray or a pair: replays what a recording holds of the time before the instant into a server of this
-/// program's own, and asks that. The answer's times are the recording's; it has no version. Throws Failure.
+/// program's own, and asks that. The answer's times are the recording's; its version is 0. Throws Failure.
 ///
 /// arguments  of the command explain, without the instant
 /// lead       time of the replay, so that what moved has a path

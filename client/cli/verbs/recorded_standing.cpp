@@ -3,22 +3,18 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <initializer_list>
 #include <map>
 #include <optional>
 #include <utility>
 
 #include <collided/recording.hpp>
-#include <nlohmann/json.hpp>
 
 #include "client/cli/command.hpp"
 #include "client/cli/output/event_output.hpp"
-#include "client/cli/output/explanation_output.hpp"
 
 namespace collided::cli {
 namespace {
 
-using nlohmann::json;
 using std::chrono::nanoseconds;
 
 /// As many as a running server tells of.
@@ -40,124 +36,116 @@ RecordedFenceEvents held_at(const std::string& path, nanoseconds instant) {
 
 /// World time that lies so many seconds before the event's.
 template <class OneEvent>
-std::int64_t before(const OneEvent& event, double seconds) {
-  return event.world_time.count() - std::llround(seconds * 1e9);
+nanoseconds before(const OneEvent& event, double seconds) {
+  return event.world_time - nanoseconds(std::llround(seconds * 1e9));
 }
 
-void put_told(json& row, std::int64_t since_ns, Doubt doubt) {
-  row["told"] = true;
-  row["since_ns"] = since_ns;
-  row["doubt"] = name_of(doubt);
+void put_told(ExplainedStanding& standing, nanoseconds since, Doubt doubt, std::uint64_t episode) {
+  standing.told = true;
+  standing.since = since;
+  standing.doubt = std::string(name_of(doubt));
+  standing.episode = episode;
+}
+void forget_told(ExplainedStanding& standing) {
+  standing.told = false;
+  standing.since.reset();
+  standing.doubt.clear();
+  standing.episode = 0;
 }
 
-/// Calls visit(row) for every object that the answer tells of.
-template <class Visit>
-void for_each_standing(json& answer, std::initializer_list<const char*> lists, const Visit& visit) {
-  for (const char* list : lists) {
-    for (json& row : answer.at(list)) visit(row);
-  }
-  if (answer.contains("asked_for")) visit(answer.at("asked_for"));
+void put_last(std::vector<ExplainedNews> news, std::vector<ExplainedNews>& events) {
+  if (news.size() > kLastEvents) news.erase(news.begin(), news.end() - static_cast<std::ptrdiff_t>(kLastEvents));
+  events = std::move(news);
 }
 
-void forget_told(json& row) {
-  for (const char* key : {"told", "since_ns", "episode", "doubt"}) row.erase(key);
-}
-
-json last_of(json rows) {
-  if (rows.size() > kLastEvents) rows.erase(rows.begin(), rows.end() - static_cast<std::ptrdiff_t>(kLastEvents));
-  return rows;
-}
-
-json event_row(const FenceEvent& event) {
+ExplainedNews news_of(const FenceEvent& event) {
   const bool is_cross = event.kind == FenceEventKind::cross;
   const bool is_exit = event.kind == FenceEventKind::exit;
-  return {{"sequence", event.sequence},
-          {"what", is_cross  ? "cross"
-                   : is_exit ? "exit"
-                             : "enter"},
-          {"object", event.object},
-          {"why", name_of(event.reason)},
-          {"doubt", name_of(event.doubt)},
-          {"low_ns", before(event, event.bracket_low_s)},
-          {"high_ns", before(event, is_cross ? event.left_high_s : event.bracket_high_s)}};
+  return {.sequence = event.sequence,
+          .what = is_cross  ? "cross"
+                  : is_exit ? "exit"
+                            : "enter",
+          .object = event.object,
+          .why = std::string(name_of(event.reason)),
+          .doubt = std::string(name_of(event.doubt)),
+          .low = before(event, event.bracket_low_s),
+          .high = before(event, is_cross ? event.left_high_s : event.bracket_high_s)};
 }
 
-json event_row(const NearestEvent& event) {
+ExplainedNews news_of(const NearestEvent& event) {
   const bool is_any = !event.to.empty();
-  return {{"sequence", event.sequence},
-          {"what", is_any ? "nearest" : "no longer nearest"},
-          {"object", is_any ? event.to : event.from},
-          {"why", is_any ? "" : name_of(event.reason)},
-          {"doubt", name_of(event.doubt)},
-          {"low_ns", before(event, event.bracket_low_s)},
-          {"high_ns", before(event, event.bracket_high_s)}};
+  return {.sequence = event.sequence,
+          .what = is_any ? "nearest" : "no longer nearest",
+          .object = is_any ? event.to : event.from,
+          .why = is_any ? std::string() : std::string(name_of(event.reason)),
+          .doubt = std::string(name_of(event.doubt)),
+          .low = before(event, event.bracket_low_s),
+          .high = before(event, event.bracket_high_s)};
 }
 
-/// Makes this object the one that is nearest in the answer, and the one there one of the others.
-void make_nearest(json& answer, const std::string& object) {
-  json& is = answer.at("is");
-  json& others = answer.at("others");
-  if (!is.empty() && is.front().at("object") == object) return;
-  for (json& row : is) others.push_back(std::move(row));
-  is = json::array();
-  const auto found =
-      std::find_if(others.begin(), others.end(), [&](const json& row) { return row.at("object") == object; });
+/// Makes this object the one that is nearest, and the one that was one of the others.
+void make_nearest(ExplainedNearest& told, const std::string& object) {
+  if (told.is && told.is->object == object) return;
+  std::vector<ExplainedStanding>& others = told.others;
+  if (told.is) others.push_back(*std::exchange(told.is, std::nullopt));
+  const auto found = std::ranges::find(others, object, &ExplainedStanding::object);
   if (found != others.end()) {
-    is.push_back(std::move(*found));
+    told.is = std::move(*found);
     others.erase(found);
   }
-  std::stable_sort(others.begin(), others.end(), [](const json& a, const json& b) {
-    return number_or_inf(a, "clearance") < number_or_inf(b, "clearance");
-  });
+  std::ranges::stable_sort(others, {}, &ExplainedStanding::clearance_m);
 }
 
 }  // namespace
 
-void put_recorded_news_of_fence(json& answer, const std::string& path, nanoseconds instant) {
-  const std::string name = answer.at("fence");
+void put_recorded_news(ExplainedFence& told, const std::string& path, nanoseconds instant) {
   std::map<std::string, FenceEvent> inside;
   for (FenceEvent& event : held_at(path, instant).fences) {
-    if (event.fence == name) inside.emplace(event.object, std::move(event));
+    if (event.fence == told.fence) inside.emplace(event.object, std::move(event));
   }
-  for_each_standing(answer, {"inside", "outside", "left_out"}, [&](json& row) {
-    forget_told(row);
-    const auto told = inside.find(row.at("object").get<std::string>());
-    if (told == inside.end()) return;
-    put_told(row, told->second.entered.count(), told->second.doubt);
-    row["episode"] = told->second.episode;
-  });
-  json events = json::array();
+  const auto put = [&](ExplainedStanding& standing) {
+    forget_told(standing);
+    const auto found = inside.find(standing.object);
+    if (found == inside.end()) return;
+    const FenceEvent& event = found->second;
+    put_told(standing, event.entered, event.doubt, event.episode);
+  };
+  for (auto* list : {&told.inside, &told.outside, &told.left_out}) std::ranges::for_each(*list, put);
+  if (told.asked_for) put(*told.asked_for);
+  std::vector<ExplainedNews> news;
   for (const FenceEvent& event : news_up_to(path, instant).fences) {
-    if (event.fence == name && event.kind != FenceEventKind::inside) events.push_back(event_row(event));
+    if (event.fence == told.fence && event.kind != FenceEventKind::inside) news.push_back(news_of(event));
   }
-  answer["events"] = last_of(std::move(events));
+  put_last(std::move(news), told.events);
 }
 
-void put_recorded_news_of_nearest(json& answer, const std::string& path, nanoseconds instant, std::size_t most) {
-  const std::string name = answer.at("nearest");
+void put_recorded_news(ExplainedNearest& told, const std::string& path, nanoseconds instant, std::size_t most) {
   std::string object;
   Doubt doubt = Doubt::none;
   for (const NearestEvent& event : held_at(path, instant).nearest) {
-    if (event.nearest != name) continue;
+    if (event.nearest != told.nearest) continue;
     object = event.to;
     doubt = event.doubt;
   }
-  make_nearest(answer, object);
-  std::optional<std::int64_t> since_ns;
-  json events = json::array();
+  make_nearest(told, object);
+  std::optional<nanoseconds> since;
+  std::vector<ExplainedNews> news;
   for (const NearestEvent& event : news_up_to(path, instant).nearest) {
-    if (event.nearest != name || event.kind == NearestEventKind::is) continue;
-    events.push_back(event_row(event));
-    if (!event.to.empty()) since_ns = before(event, event.bracket_high_s);
+    if (event.nearest != told.nearest || event.kind == NearestEventKind::is) continue;
+    news.push_back(news_of(event));
+    if (!event.to.empty()) since = before(event, event.bracket_high_s);
   }
-  for_each_standing(answer, {"is", "others", "left_out"}, [&](json& row) {
-    forget_told(row);
-    if (since_ns && row.at("object") == object) put_told(row, *since_ns, doubt);
-  });
-  json& others = answer.at("others");
-  if (others.size() > most) others.erase(others.begin() + static_cast<std::ptrdiff_t>(most), others.end());
-  answer["events"] = last_of(std::move(events));
-  answer.erase("cut_short");  // of the replay's searches
+  const auto put = [&](ExplainedStanding& standing) {
+    forget_told(standing);
+    if (since && standing.object == object) put_told(standing, *since, doubt, 0);
+  };
+  for (auto* list : {&told.others, &told.left_out}) std::ranges::for_each(*list, put);
+  for (auto* one : {&told.is, &told.asked_for}) {
+    if (*one) put(**one);
+  }
+  if (told.others.size() > most) told.others.resize(most);
+  put_last(std::move(news), told.events);
+  told.cut_short = 0;  // of the replay's searches
 }
 
 }  // namespace collided::cli

@@ -8,27 +8,34 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/input/option.hpp"
 #include "client/cli/input/question.hpp"
-#include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/explanation_output.hpp"
-#include "client/cli/output/readable.hpp"
 #include "client/cli/server_command.hpp"
 #include "client/cli/verbs/ask_options.hpp"
 #include "client/cli/verbs/recorded_explanation.hpp"
+#include "idl/answers/explanation.hpp"
 #include "idl/commands.hpp"
 #include "idl/instant.hpp"
 
 namespace collided::cli {
 namespace {
 
-std::chrono::nanoseconds time_of(const nlohmann::json& answer, const char* key) {
-  return std::chrono::nanoseconds(answer.at(key).get<std::int64_t>());
+/// With what of the answer is told.
+ExplainedPair explained_pair(const nlohmann::json& answer) {
+  auto told = from_json<ExplainedPair>(answer);
+  PairAnswer& now = told.answer;
+  const std::string said = text_of(answer, "answer");
+  now.verdict = said == "hit" ? Verdict::hit : said == "miss" ? Verdict::miss : Verdict::undecided;
+  for (const auto& [key, value] :
+       {std::pair("distance", &now.distance_m), std::pair("depth", &now.depth_m), std::pair("error", &now.error_m)})
+    if (answer.contains(key)) read_json(answer.at(key), key, *value);
+  now.stale = flag_of(answer, "stale");
+  now.version = count_of(answer, "version");
+  return told;
 }
 
-/// What the two are now, in a word.
-std::string_view now_of(const nlohmann::json& answer) {
-  const std::string said = text_of(answer, "answer");
-  if (said == "hit") return "touching";
-  return said == "miss" ? "apart" : "undecided";
+Exit exit_by(Verdict verdict) {
+  if (verdict == Verdict::undecided) return Exit::undecided;
+  return verdict == Verdict::hit ? Exit::yes : Exit::no;
 }
 
 /// Of a recording: how far back two paths are looked at, and what comes before the instant of a ray.
@@ -70,8 +77,9 @@ class ExplainCommand : public Command {
     if (!world_.scenes.empty() && world_.path.empty()) throw bad_use("--scene belongs to --recording");
     if (what == "pair") return explain_pair(session, globals);
     if (what == "ray") return explain_ray(session, globals);
-    if (what == "fence") return explain_fence(session, globals);
-    if (what == "nearest") return explain_nearest(session, globals);
+    if (what == "fence") return explain_standing<ExplainedFence>(session, globals, "fence", "fence");
+    if (what == "nearest")
+      return explain_standing<ExplainedNearest>(session, globals, "nearest", "question for the nearest");
     if (what == "event") return explain_event(session, globals);
     throw bad_use("what is to be explained?", kForms);
   }
@@ -84,14 +92,9 @@ class ExplainCommand : public Command {
     const auto lead = last_.empty() ? std::chrono::nanoseconds(kLastOfRecording) : parse_duration(last_);
     if (!last_.empty() || !world_.path.empty()) arguments["last_ns"] = lead.count();
     const nlohmann::json answer = ask(session, globals, std::move(arguments), {words_[1], words_[2]}, lead);
-    Printer printer = make_printer(session.io, globals);
-    printer.set_usual_fields(
-        {"a", "b", "answer", "distance", "depth", "error", "end", "nearest", "nearest_error", "at_least", "stale"});
-    if (printer.human()) print_text(printer, answer);
-    else printer.record(record_of(answer));
-    const std::string_view now = now_of(answer);
-    if (now == "undecided") return Exit::undecided;
-    return now == "touching" ? Exit::yes : Exit::no;
+    const ExplainedPair told = explained_pair(answer);
+    print(session, globals, words_[1], words_[2], told);
+    return exit_by(told.answer.verdict);
   }
 
   Exit explain_ray(Session& session, const Globals& globals) {
@@ -105,51 +108,34 @@ class ExplainCommand : public Command {
     if (std::isfinite(ray.length_m)) arguments["length"] = ray.length_m;
     if (!mask_.empty()) arguments["mask"] = parse_bits(mask_);
     add_common(arguments);
-    const nlohmann::json answer = ask(session, globals, std::move(arguments), {why_not_}, kBeforeRay);
-    Printer printer = make_printer(session.io, globals);
-    printer.set_usual_fields(usual_explained_ray_fields());
-    if (printer.human()) print_explained_ray(printer, answer);
-    else printer.record(explained_ray_record(answer));
-    const std::string said = text_of(answer, "answer");
-    if (said == "undecided") return Exit::undecided;
-    return said == "hit" ? Exit::yes : Exit::no;
+    const auto told = from_json<ExplainedRay>(ask(session, globals, std::move(arguments), {why_not_}, kBeforeRay));
+    print(session, globals, told);
+    return exit_by(told.verdict);
   }
 
-  Exit explain_fence(Session& session, const Globals& globals) {
-    refuse_others({&last_, &to_, &length_, &only_, &skip_, &mask_, &of_}, "fence");
-    if (words_.size() != 2) throw bad_use("which fence?", kForms);
-    nlohmann::json arguments{{"fence", words_[1]}};
+  template <class Explained>
+  Exit explain_standing(Session& session, const Globals& globals, const char* key, std::string_view what) {
+    refuse_others({&last_, &to_, &length_, &only_, &skip_, &mask_, &of_}, what);
+    if (words_.size() != 2) throw bad_use(fmt::format("which {}?", what == "fence" ? what : "question"), kForms);
+    nlohmann::json arguments{{key, words_[1]}};
     add_common(arguments);
-    const nlohmann::json answer = ask_of_standing(session, globals, std::move(arguments), "fence");
-    Printer printer = make_printer(session.io, globals);
-    printer.set_usual_fields(usual_explained_fence_fields());
-    if (printer.human()) print_explained_fence(printer, answer);
-    else printer.record(explained_fence_record(answer));
-    return Exit::yes;
-  }
-
-  Exit explain_nearest(Session& session, const Globals& globals) {
-    refuse_others({&last_, &to_, &length_, &only_, &skip_, &mask_, &of_}, "question for the nearest");
-    if (words_.size() != 2) throw bad_use("which question?", kForms);
-    nlohmann::json arguments{{"nearest", words_[1]}};
-    add_common(arguments);
-    const nlohmann::json answer = ask_of_standing(session, globals, std::move(arguments), "question for the nearest");
-    Printer printer = make_printer(session.io, globals);
-    printer.set_usual_fields(usual_explained_nearest_fields());
-    if (printer.human()) print_explained_nearest(printer, answer);
-    else printer.record(explained_nearest_record(answer));
+    const auto told = from_json<Explained>(ask_of_standing(session, globals, std::move(arguments), what));
+    print(session, globals, told);
     return Exit::yes;
   }
 
   Exit explain_event(Session& session, const Globals& globals) {
     refuse_others({&last_, &world_.as_of, &to_, &length_, &only_, &skip_, &mask_, &why_not_, &most_}, "event");
     if (words_.size() != 2) throw bad_use("which event? the number after 'seq'", kForms);
-    const nlohmann::json answer = ask_of_event(session, globals, parse_count(words_[1], 1));
-    Printer printer = make_printer(session.io, globals);
-    printer.set_usual_fields(usual_explained_event_fields());
-    if (printer.human()) print_explained_event(printer, answer);
-    else printer.record(explained_event_record(answer));
+    const auto told = from_json<ExplainedEvent>(ask_of_event(session, globals, parse_count(words_[1], 1)));
+    print(session, globals, told);
     return Exit::yes;
+  }
+
+  template <class... Explained>
+  static void print(Session& session, const Globals& globals, const Explained&... told) {
+    Printer printer = make_printer(session.io, globals);
+    print_explained(printer, told...);
   }
 
   static void refuse_others(std::initializer_list<const std::string*> others, std::string_view what) {
@@ -241,77 +227,6 @@ class ExplainCommand : public Command {
       }
       throw;
     }
-  }
-
-  Record record_of(const nlohmann::json& answer) const {
-    const Value none = std::monostate{};
-    const std::string_view now = now_of(answer);
-    Record record{{"a", words_[1]},
-                  {"b", words_[2]},
-                  {"answer", now},
-                  {"distance", now == "apart" ? Value(number_or_inf(answer, "distance")) : none},
-                  {"depth", now == "touching" ? Value(number_or_inf(answer, "depth")) : none},
-                  {"error", now == "undecided" ? none : Value(number_or_inf(answer, "error"))},
-                  {"why_not", RawJson{answer.at("why_not").dump()}},
-                  {"attached", text_of(answer, "attached")}};
-    const auto nearest = answer.find("nearest");
-    const bool is_known = nearest != answer.end();
-    record.push_back({"end", is_known ? Value(text_of(*nearest, "end")) : none});
-    for (const char* key : {"from_ns", "to_ns", "time_ns"})
-      record.push_back({key, is_known ? Value(nearest->at(key).get<std::int64_t>()) : none});
-    record.push_back({"nearest", is_known ? Value(number_or_inf(*nearest, "distance")) : none});
-    record.push_back({"nearest_error", is_known ? Value(number_or_inf(*nearest, "error")) : none});
-    record.push_back({"at_least", is_known ? Value(number_or_inf(*nearest, "at_least")) : none});
-    record.push_back({"stale", answer.value("stale", false) ? Value(true) : none});
-    record.push_back({"world", version_of(answer)});
-    return record;
-  }
-
-  void print_text(Printer& printer, const nlohmann::json& answer) const {
-    const std::string_view now = now_of(answer);
-    const Digits digits = printer.digits();
-    std::string line = fmt::format("{} and {}: {}", printable(words_[1]), printable(words_[2]), now);
-    if (now == "apart")
-      line += ", " + readable_length(number_or_inf(answer, "distance"), number_or_inf(answer, "error"), digits);
-    if (now == "touching")
-      line += fmt::format(", {} deep",
-                          readable_length(number_or_inf(answer, "depth"), number_or_inf(answer, "error"), digits));
-    printer.line(line);
-    if (answer.value("stale", false))
-      printer.line("  stale    one of them is where it was heard of last, and moved then");
-    print_events(printer, answer);
-    if (answer.contains("nearest")) print_nearest(printer, answer.at("nearest"));
-    else printer.line("  nearest  " + printable(text_of(answer, "no_nearest")));
-  }
-
-  static void print_events(Printer& printer, const nlohmann::json& answer) {
-    const std::vector<std::string> why = texts_of(answer, "why_not");
-    if (why.empty()) printer.line("  events   each contact of the two is told");
-    for (std::size_t i = 0; i < why.size(); ++i)
-      printer.line((i == 0 ? "  events   none: " : "           and ") + printable(why[i]));
-    if (const std::string child = text_of(answer, "attached"); !child.empty())
-      printer.line(fmt::format("           {} moves along with the other", printable(child)));
-  }
-
-  static void print_nearest(Printer& printer, const nlohmann::json& nearest) {
-    const std::string end = text_of(nearest, "end");
-    const auto to = time_of(nearest, "to_ns");
-    const std::chrono::duration<double> stretch = to - time_of(nearest, "from_ns");
-    const std::chrono::nanoseconds ago = to - time_of(nearest, "time_ns");
-    const std::string when = fmt::format("at {}, {} before the last that is known",
-                                         clock_text(time_of(nearest, "time_ns")), format_duration(ago));
-    const std::string within = format_duration(std::chrono::duration_cast<std::chrono::nanoseconds>(stretch));
-    if (end == "touched") return printer.line(fmt::format("  nearest  they touched {}", when));
-    if (end == "undecided") return printer.line(fmt::format("  nearest  undecided whether they touched {}", when));
-    const Digits digits = printer.digits();
-    if (std::isinf(number_or_inf(nearest, "distance")))
-      return printer.line("  nearest  not looked at: the deadline was over");
-    printer.line(fmt::format(
-        "  nearest  {} {}",
-        readable_length(number_or_inf(nearest, "distance"), number_or_inf(nearest, "error"), digits), when));
-    printer.line(fmt::format("           at no time of the last {} nearer than {}{}", within,
-                             readable_length(number_or_inf(nearest, "at_least"), 0, digits),
-                             end == "cut_short" ? "; cut short, a longer --deadline says more" : ""));
   }
 
   std::vector<std::string> words_;

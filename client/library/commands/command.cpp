@@ -90,13 +90,16 @@ Result<std::string> command(Connection& connection, std::string_view name, std::
 
 Result<std::string> command(Connection& connection, std::string_view name, const nlohmann::json& arguments,
                             std::chrono::nanoseconds timeout, const std::function<void(double)>& progress) {
-  std::string text;
+  const Result<std::string> text = argument_text(name, arguments);
+  return text ? command_with_blob(connection, name, *text, {}, timeout, progress) : text;
+}
+
+Result<std::string> argument_text(std::string_view name, const nlohmann::json& arguments) {
   try {
-    text = arguments.dump();
+    return arguments.dump();
   } catch (const nlohmann::json::type_error&) {
     return bad_input(std::string(name) + ": a name is not UTF-8 text. Nothing was sent");
   }
-  return command_with_blob(connection, name, text, {}, timeout, progress);
 }
 
 namespace {

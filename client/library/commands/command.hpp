@@ -16,8 +16,10 @@ namespace collided::client {
 Result<std::string> command(Connection& connection, std::string_view name, std::string_view json_arguments,
                             const Shape& shape, std::chrono::nanoseconds timeout,
                             const std::function<void(double)>& progress);
-/// The same for arguments with names: a text that is not UTF-8 is bad_input, since replacing its bytes could make it
-/// another object's name.
+/// Arguments with names as text: one that is not UTF-8 is bad_input, since replacing its bytes could make it another
+/// object's name.
+Result<std::string> argument_text(std::string_view name, const nlohmann::json& arguments);
+/// The same with such arguments.
 Result<std::string> command(Connection& connection, std::string_view name, const nlohmann::json& arguments,
                             std::chrono::nanoseconds timeout, const std::function<void(double)>& progress = {});
 /// The same with bytes, up to what a message can hold beside its text.

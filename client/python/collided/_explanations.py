@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import Annotated
 
 from ._answers import Verdict
 
@@ -21,11 +22,11 @@ class ExplainedMeeting:
     normal: Vector
     triangle: int | None
     part: int | None  #: which of several primitives of the object
-    rung: str  #: the arithmetic that decided: "double", "expansion" or "rational"
+    rung: Annotated[str, "level"]  #: the arithmetic that decided: "double", "expansion" or "rational"
     inside: bool  #: the ray begins in it
     stale: bool  #: its publisher is lost, and it may be elsewhere
     age_ns: int | None  #: of its pose; None: it has stood since it was added
-    why_left_out: str  #: empty: the filter lets it answer
+    why_left_out: Annotated[str, "why"]  #: empty: the filter lets it answer
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,7 @@ class ExplainedMiss:
     """An object that a ray does not meet, or of which that is open. Metres; |truth - distance| <= error."""
 
     object: str
-    verdict: Verdict  #: MISS or UNDECIDED
+    verdict: Annotated[Verdict, "answer"]  #: MISS or UNDECIDED
     distance: float  #: the least of any two points of ray and object
     error: float
     along: float  #: where on the ray that is, about
@@ -42,7 +43,7 @@ class ExplainedMiss:
     triangle: int | None
     where: str  #: "beside" the ray, at its "start", or at its "end", by its length
     box_met: bool  #: the ray meets its bounding box, so its parts were candidates
-    why_left_out: str  #: empty: the filter lets it answer
+    why_left_out: Annotated[str, "why"]  #: empty: the filter lets it answer
 
 
 @dataclass(frozen=True)
@@ -51,30 +52,30 @@ class ExplainedStale:
 
     object: str
     age_ns: int
-    start: float  #: where along the ray that may be, at the earliest, in metres
+    start: Annotated[float, "from"]  #: where along the ray that may be, at the earliest, in metres
 
 
 @dataclass(frozen=True)
 class ExplainedRay:
     """Why a ray meets what it meets. As a truth value it is its verdict's."""
 
-    verdict: Verdict
+    verdict: Annotated[Verdict, "answer"]
     reason: str  #: of an undecided one
-    rung: str  #: the highest that the whole answer needed
+    rung: Annotated[str, "level"]  #: the highest that the whole answer needed
     nodes: int  #: boxes of the indexes that were opened
     exact_tests: int
     objects: int  #: in the world
-    candidates: int  #: whose boxes the ray meets and that may answer
+    candidates: Annotated[int, "boxes_met"]  #: whose boxes the ray meets and that may answer
     left_out_count: int  #: objects that the filter leaves out
     met: tuple[ExplainedMeeting, ...]  #: each object once, in order along the ray; the first is the answer
     left_out: tuple[ExplainedMeeting, ...]  #: would have come before the answer but for the filter
     misses: tuple[ExplainedMiss, ...]  #: nearest first, then the one asked for
     stale: tuple[ExplainedStale, ...]
     unknown: tuple[str, ...]  #: unknown space whose box the ray meets
-    covered: float | None  #: the geometry is complete up to so many metres along the ray; None: all along it
+    covered: Annotated[float | None, "not_covered", "covered"]  #: metres of the ray with complete geometry; None: all of it
     cut: bool  #: there are more hits than are looked at
     late: bool  #: the deadline was over: nearer misses may be missing
-    world_time_ns: int
+    world_time_ns: Annotated[int, "time_ns"]
     version: int
 
     def __bool__(self) -> bool:
@@ -98,7 +99,7 @@ class ExplainedApproach:
 class ExplainedPair:
     """How two objects stand to each other, and why no contact of them is told. As a truth value it is its verdict's."""
 
-    verdict: Verdict
+    verdict: Annotated[Verdict, "answer"]
     clearance: float  #: the distance, or minus the depth; |truth - clearance| <= error; of no meaning where undecided
     error: float
     stale: bool  #: one of the two may be elsewhere
@@ -117,7 +118,7 @@ class ExplainedStanding:
     """How an object stands to a fence. Metres; |truth - clearance| <= error."""
 
     object: str
-    verdict: Verdict  #: HIT: it is in, by where both are now
+    verdict: Annotated[Verdict, "answer"]  #: HIT: it is in, by where both are now
     clearance: float  #: the distance, or minus the depth; infinite: it was not looked at
     error: float
     stale: bool  #: its publisher is lost, and it may be elsewhere
@@ -125,7 +126,7 @@ class ExplainedStanding:
     since_ns: int | None
     episode: int  #: of told: the sequence of its coming in
     doubt: str
-    why_left_out: str  #: empty: the fence looks at it
+    why_left_out: Annotated[str, "why"]  #: empty: the fence looks at it
 
 
 @dataclass(frozen=True)
@@ -161,7 +162,7 @@ class ExplainedFence:
     asked_for: ExplainedStanding | None
     events: tuple[ExplainedNews, ...]
     late: bool
-    world_time_ns: int
+    world_time_ns: Annotated[int, "time_ns"]
     version: int
 
 
@@ -181,14 +182,14 @@ class ExplainedNearest:
     keep: bool
     placed: bool  #: False: `to` is not there, so it looks at nothing
     looked_at: int  #: objects
-    answer: ExplainedStanding | None  #: the nearest, as it was told
+    answer: Annotated[ExplainedStanding | None, "is", 0]  #: the nearest, as it was told
     others: tuple[ExplainedStanding, ...]  #: nearest first, also beyond `within`
     left_out: tuple[ExplainedStanding, ...]  #: nearer than the nearest, and not looked at
     asked_for: ExplainedStanding | None
     events: tuple[ExplainedNews, ...]  #: nearest, no longer nearest
     cut_short: int  #: searches that ended at their limit: who came and went then may not have been told
     late: bool
-    world_time_ns: int
+    world_time_ns: Annotated[int, "time_ns"]
     version: int
 
 
@@ -200,9 +201,15 @@ class ExplainedBody:
     remembered: bool  #: False: where it was then is not known any more
     moving: bool
     publisher: str
-    position: Vector | None
-    orientation: tuple[float, float, float, float] | None  #: w first
-    motion_ns: tuple[int, int] | None  #: the two poses between which the change lies; None: at rest, or not remembered
+    position: Annotated[Vector | None, "pose"]
+    orientation: Annotated[tuple[float, float, float, float] | None, "pose", slice(3, 7)]  #: w first
+    motion_from_ns: int | None
+    motion_to_ns: int | None
+
+    @property
+    def motion_ns(self) -> tuple[int, int] | None:
+        """The two poses between which the change lies; None: at rest, or not remembered."""
+        return None if self.motion_from_ns is None or self.motion_to_ns is None else (self.motion_from_ns, self.motion_to_ns)
 
 
 @dataclass(frozen=True)
@@ -210,7 +217,7 @@ class ExplainedGap:
     """How the two of an event stood to each other at an end of its bracket."""
 
     time_ns: int
-    verdict: Verdict
+    verdict: Annotated[Verdict, "answer"]
     clearance: float
     error: float
 

@@ -7,6 +7,7 @@
 
 #include "server/service/commands/command_arguments.hpp"
 #include "server/service/questions/nearest_word.hpp"
+#include "server/world/explain/ray_explanation.hpp"
 #include "server/service/questions/validation.hpp"
 
 namespace collided::engine::service {
@@ -90,15 +91,6 @@ json numbers(const Vec3& vector) { return {vector.x() + 0.0, vector.y() + 0.0, v
 
 json tiles_json(const TilesRead& tiles) {
   return {{"read", tiles.tiles}, {"of", tiles.tiles_of_file}, {"triangles_of_file", tiles.triangles_of_file}};
-}
-
-std::string_view kind_of(const ObjectInfo& info) {
-  if (info.scene_part != kNoTriangle) return "part";
-  if (info.primitives.size() + (info.mesh ? 1 : 0) != 1) return "compound";
-  if (info.mesh) return "mesh";
-  constexpr std::string_view kNames[] = {"sphere", "box",       "capsule", "cylinder",
-                                         "cone",   "ellipsoid", "hull",    "half_space"};
-  return kNames[info.primitives[0].index()];
 }
 
 ObjectId find_shown(const Snapshot& state, const std::string& name) {

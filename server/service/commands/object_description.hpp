@@ -16,10 +16,6 @@ nlohmann::json numbers(const Quat& rotation);
 /// What is read of a file in tiles.
 nlohmann::json tiles_json(const TilesRead& tiles);
 
-/// "sphere", "box", "capsule" and so on for one primitive, "mesh", "compound" for several, or "part" for a run of a
-/// scene's triangles.
-std::string_view kind_of(const ObjectInfo& info);
-
 /// The object of that name in the state; throws BadCommand with the nearest names.
 ObjectId find_shown(const Snapshot& state, const std::string& name);
 

@@ -3,11 +3,19 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
+#include <chrono>
+#include <span>
+#include <utility>
+
+#include <collided/explanations.hpp>
 
 #include "server/world/query/pair_report.hpp"
 
 namespace collided::engine {
 namespace {
+
+using std::chrono::nanoseconds;
 
 const ObjectInfo* find(const Snapshot& state, const std::string& name) {
   const auto found = std::find_if(state.objects.begin(), state.objects.end(),
@@ -28,34 +36,83 @@ std::optional<PoseMemory::Reach> motion_about(const PoseMemory& memory, ObjectId
   return about;
 }
 
+/// One of the two, at the time by which the change had happened.
+struct EventBody {
+  ExplainedBody told;
+  std::uint64_t publisher = 0;  // 0: the server's own
+  std::optional<PoseMemory::Reach> motion = {};
+};
+
 EventBody body_of(const PoseMemory& memory, const Snapshot* then, const RecentEvent& recent, bool is_first) {
-  EventBody body{.name = is_first ? recent.a : recent.b};
-  const ObjectInfo* info = then == nullptr ? nullptr : find(*then, body.name);
+  EventBody body{.told = {.object = is_first ? recent.a : recent.b}};
+  const ObjectInfo* info = then == nullptr ? nullptr : find(*then, body.told.object);
   if (info == nullptr) return body;
-  body.is_remembered = true;
+  const Pose& pose = then->poses[slot_of(info->id)];
   body.publisher = info->publisher;
-  body.moves = info->moving;
-  body.pose = then->poses[slot_of(info->id)];
   body.motion = motion_about(memory, is_first ? recent.event.of.a : recent.event.of.b, recent);
+  body.told.remembered = true;
+  body.told.moving = info->moving;
+  body.told.pose = {.position = pose.position, .rotation = collided::Quat(pose.rotation)};
+  if (body.motion) {
+    body.told.motion_from = nanoseconds(body.motion->from_ns);
+    body.told.motion_to = nanoseconds(body.motion->to_ns);
+  }
   return body;
 }
 
-std::optional<EventGap> gap_at(const PoseMemory& memory, std::int64_t time_ns, const RecentEvent& recent) {
+std::optional<ExplainedGap> gap_at(const PoseMemory& memory, std::int64_t time_ns, const RecentEvent& recent) {
   const std::shared_ptr<const Snapshot> state = memory.at(time_ns);
   if (!state) return std::nullopt;
   const ObjectInfo* a = find(*state, recent.a);
   const ObjectInfo* b = find(*state, recent.b);
   if (a == nullptr || b == nullptr) return std::nullopt;
   const PairReport report = report_pair(*state, a->id, b->id, {});
-  EventGap gap{.time_ns = time_ns, .touches = report.touches};
+  ExplainedGap gap{.time = nanoseconds(time_ns), .verdict = static_cast<collided::Verdict>(report.touches)};
   if (report.touches == Decision::no) {
-    gap.distance_m = report.separation.distance_m;
+    gap.clearance_m = report.separation.distance_m;
     gap.error_m = report.separation.error_m;
   } else if (report.touches == Decision::yes) {
-    gap.distance_m = -report.contact.depth_m;
+    gap.clearance_m = -report.contact.depth_m;
     gap.error_m = report.contact.depth_error_m;
   }
   return gap;
+}
+
+const char* word_of_kind(EventKind kind, bool is_of_fence, ObjectId fence) {
+  static constexpr const char* kContacts[] = {"began", "persisted", "ended", "contained", "emerged"};
+  if (is_nearest_question(fence)) return kind == EventKind::began ? "nearest" : "no longer nearest";
+  if (is_of_fence) return kind == EventKind::began ? "enter" : "exit";
+  return kContacts[static_cast<std::size_t>(kind)];
+}
+
+/// What the event itself said. A band's fence has its margin, object and distance in its name, a line each.
+ExplainedEvent told_event(const RecentEvent& recent, bool is_of_fence) {
+  const Event& event = recent.event;
+  ExplainedEvent told{.sequence = event.sequence,
+                      .of = is_of_fence ? EventsOf::fences : EventsOf::contacts,
+                      .what = word_of_kind(event.kind, is_of_fence, event.of.b),
+                      .why = std::string(name_of(event.reason)),
+                      .doubt = std::string(name_of(event.of.doubt)),
+                      .a = recent.a,
+                      .b = recent.b,
+                      .a_triangle = event.of.a_triangle,
+                      .b_triangle = event.of.b_triangle,
+                      .depth_m = event.of.contact.depth_m,
+                      .error_m = event.of.contact.depth_error_m,
+                      .point = event.of.contact.point,
+                      .normal = event.of.contact.normal,
+                      .episode = event.of.episode,
+                      .began = nanoseconds(event.of.began_ns),
+                      .low = nanoseconds(recent.low_ns()),
+                      .high = nanoseconds(recent.high_ns()),
+                      .world_time = nanoseconds(recent.world_time_ns)};
+  if (const std::size_t line = recent.b.find('\n'); line != std::string::npos) {
+    const std::size_t next = recent.b.find('\n', line + 1);
+    told.margin = recent.b.substr(0, line);
+    told.b = recent.b.substr(line + 1, next - line - 1);
+    told.within = recent.b.substr(recent.b.rfind('\n') + 1);
+  }
+  return told;
 }
 
 std::string in_time(std::int64_t ns) {
@@ -81,16 +138,16 @@ void add_end_reason(const RecentEvent& recent, std::vector<std::string>& why) {
 }
 
 /// A search narrows the bracket within the motions; without one all of them counts.
-void add_search(const EventExplanation& told, const RecentEvent& recent, std::int64_t clock_ns,
+void add_search(std::span<const EventBody> bodies, const RecentEvent& recent, std::int64_t clock_ns,
                 std::vector<std::string>& why) {
   const std::int64_t width_ns = recent.high_ns() - recent.low_ns();
   std::optional<PoseMemory::Reach> shortest;
   std::string whose;
-  for (const EventBody& body : told.bodies) {
+  for (const EventBody& body : bodies) {
     if (!body.motion) continue;
     if (shortest && shortest->to_ns - shortest->from_ns <= body.motion->to_ns - body.motion->from_ns) continue;
     shortest = body.motion;
-    whose = body.name;
+    whose = body.told.object;
   }
   if (!shortest) return;
   const std::int64_t motion_ns = shortest->to_ns - shortest->from_ns;
@@ -106,38 +163,46 @@ void add_search(const EventExplanation& told, const RecentEvent& recent, std::in
   }
 }
 
-void say_why_wide(const RecentEvent& recent, bool is_of_fence, std::int64_t clock_error_ns, EventExplanation& told) {
-  const bool are_of_two = !is_of_fence && told.bodies[0].moves && told.bodies[1].moves &&
-                          told.bodies[0].publisher != told.bodies[1].publisher;
+std::vector<std::string> why_wide(const RecentEvent& recent, bool is_of_fence, std::int64_t clock_error_ns,
+                                  std::span<const EventBody> bodies) {
+  const bool are_of_two =
+      !is_of_fence && bodies[0].told.moving && bodies[1].told.moving && bodies[0].publisher != bodies[1].publisher;
   const std::int64_t clock_ns = are_of_two ? clock_error_ns : 0;
-  add_end_reason(recent, told.why_wide);
-  add_search(told, recent, clock_ns, told.why_wide);
+  std::vector<std::string> why;
+  add_end_reason(recent, why);
+  add_search(bodies, recent, clock_ns, why);
   if (clock_ns > 0)
-    told.why_wide.push_back(
+    why.push_back(
         fmt::format("two publishers, whose clocks may differ by {}: so much more on either side", in_time(clock_ns)));
   if (recent.event.of.doubt == Doubt::cost_limit)
-    told.why_wide.emplace_back("the motion took more looks than one pair is given, so that it is in doubt");
+    why.emplace_back("the motion took more looks than one pair is given, so that it is in doubt");
   if (recent.event.of.doubt == Doubt::numeric)
-    told.why_wide.emplace_back("an exact test came out undecided, so that it is in doubt");
+    why.emplace_back("an exact test came out undecided, so that it is in doubt");
   if (recent.event.of.doubt == Doubt::publisher_lost)
-    told.why_wide.emplace_back("a publisher is lost, and its object may have gone on");
-  if (told.why_wide.empty()) told.why_wide.emplace_back("what led to it is not remembered any more");
+    why.emplace_back("a publisher is lost, and its object may have gone on");
+  if (why.empty()) why.emplace_back("what led to it is not remembered any more");
+  return why;
 }
 
 }  // namespace
 
-EventExplanation explain_event(const PoseMemory& memory, const RecentEvent& recent, bool is_of_fence,
-                               std::int64_t clock_error_ns, Deadline& deadline) {
-  EventExplanation told;
+ExplainedEvent explain_event(const PoseMemory& memory, const RecentEvent& recent, bool is_of_fence,
+                             std::int64_t clock_error_ns, FunctionRef<std::string(std::uint64_t)> name_of,
+                             Deadline& deadline) {
+  ExplainedEvent told = told_event(recent, is_of_fence);
   const std::shared_ptr<const Snapshot> then = memory.at(recent.high_ns());
-  told.bodies = {body_of(memory, then.get(), recent, true), body_of(memory, then.get(), recent, false)};
+  std::array bodies{body_of(memory, then.get(), recent, true), body_of(memory, then.get(), recent, false)};
   const bool are_places_known =
-      std::ranges::all_of(told.bodies, [](const EventBody& body) { return body.publisher != 0 || !body.motion; });
+      std::ranges::all_of(bodies, [](const EventBody& body) { return body.publisher != 0 || !body.motion; });
   if (!is_of_fence && are_places_known && !deadline.is_over()) {
     told.before = gap_at(memory, recent.low_ns(), recent);
     told.after = gap_at(memory, recent.high_ns(), recent);
   }
-  say_why_wide(recent, is_of_fence, clock_error_ns, told);
+  told.why_wide = why_wide(recent, is_of_fence, clock_error_ns, bodies);
+  for (EventBody& body : bodies) {
+    body.told.publisher = name_of(body.publisher);
+    told.bodies.push_back(std::move(body.told));
+  }
   return told;
 }
 

@@ -5,9 +5,12 @@
 #include <algorithm>
 #include <limits>
 
+#include <collided/explanations.hpp>
+
 #include "idl/glob.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/geometry/tolerance.hpp"
+#include "server/world/explain/ray_explanation.hpp"
 #include "server/world/groups/members.hpp"
 #include "server/world/groups/object_clearance.hpp"
 
@@ -26,17 +29,19 @@ class FenceSearch {
               Deadline& deadline)
       : snapshot_(snapshot), fence_(fence), ask_(ask), members_(snapshot, part_meshes), deadline_(deadline) {}
 
-  FenceExplanation run() {
-    told_.is_carrier_there = place_fence();
+  ExplainedFence run() {
+    tell_rule();
+    told_.placed = place_fence();
     for (const auto& info : snapshot_.objects) {
       if (info) consider(*info);
     }
-    if (told_.is_carrier_there) {
+    if (told_.placed) {
       for (const Outsider& one : outsiders_in_order()) look_at(one);
     }
-    std::stable_sort(told_.inside.begin(), told_.inside.end(),
-                     [](const FenceStanding& a, const FenceStanding& b) { return a.distance_m < b.distance_m; });
-    told_.is_late = deadline_.was_over();
+    std::stable_sort(
+        told_.inside.begin(), told_.inside.end(),
+        [](const ExplainedStanding& a, const ExplainedStanding& b) { return a.clearance_m < b.clearance_m; });
+    told_.late = deadline_.was_over();
     return std::move(told_);
   }
 
@@ -47,6 +52,20 @@ class FenceSearch {
     std::string why_not;
   };
 
+  void tell_rule() {
+    told_.fence = fence_.name;
+    told_.kind = kind_of(fence_.body);
+    told_.to = fence_.rule.carrier;
+    told_.only = fence_.rule.only;
+    told_.skip = fence_.rule.skip;
+    told_.mask = fence_.rule.mask;
+    for (const auto& [word, bit] : {std::pair("enter", kEnter), std::pair("exit", kExit), std::pair("cross", kCross)}) {
+      if ((fence_.rule.tells & bit) != 0) told_.tells.emplace_back(word);
+    }
+    told_.keep = fence_.rule.owner == 0;
+    told_.world_time = std::chrono::nanoseconds(snapshot_.world_time_ns);
+    told_.version = snapshot_.version;
+  }
   /// False: its carrier is not there.
   bool place_fence() {
     placed_ = {.info = &fence_.body, .frame = {}, .bounds = {}, .pose = &world_pose_};
@@ -83,11 +102,16 @@ class FenceSearch {
     if (is_of_nearest() && info.name == fence_.rule.carrier && !is_asked_for) return;
     const std::uint32_t number = members_.add(info.id);
     if (told != nullptr || is_asked_for) {
-      FenceStanding standing = standing_of(number, kNoLimit_m, true)
-                                   .value_or(FenceStanding{.distance_m = kNoLimit_m, .error_m = kNoLimit_m});
-      standing.object = info.id;
-      standing.why_not_looked_at = std::move(why_not);
-      if (told != nullptr) standing.told = *told;
+      ExplainedStanding standing =
+          standing_of(number, kNoLimit_m, true)
+              .value_or(ExplainedStanding{.object = info.name, .clearance_m = kNoLimit_m, .error_m = kNoLimit_m});
+      standing.why_left_out = std::move(why_not);
+      if (told != nullptr) {
+        standing.told = true;
+        standing.since = std::chrono::nanoseconds(told->began_ns);
+        standing.episode = told->episode;
+        standing.doubt = std::string(name_of(told->doubt));
+      }
       if (is_asked_for) told_.asked_for = standing;
       if (told != nullptr) told_.inside.push_back(std::move(standing));
     } else if (!members_.bounds(number).empty()) {
@@ -102,43 +126,46 @@ class FenceSearch {
   void look_at(const Outsider& one) {
     if (!one.why_not.empty()) return look_at_left_out(one);
     const bool is_full = told_.outside.size() >= ask_.most_outside;
-    const double limit_m = !is_full ? kNoLimit_m : told_.outside.empty() ? -1 : told_.outside.back().distance_m;
+    const double limit_m = !is_full ? kNoLimit_m : told_.outside.empty() ? -1 : told_.outside.back().clearance_m;
     if (one.at_least_m > limit_m) return;
-    std::optional<FenceStanding> standing = standing_of(one.number, limit_m, false);
+    const std::optional<ExplainedStanding> standing = standing_of(one.number, limit_m, false);
     if (!standing) return;
-    const auto nearer = [](const FenceStanding& a, const FenceStanding& b) { return a.distance_m < b.distance_m; };
+    const auto nearer = [](const auto& a, const auto& b) { return a.clearance_m < b.clearance_m; };
     told_.outside.insert(std::upper_bound(told_.outside.begin(), told_.outside.end(), *standing, nearer), *standing);
     if (told_.outside.size() > ask_.most_outside) told_.outside.pop_back();
   }
   void look_at_left_out(const Outsider& one) {
     const double limit_m = left_out_limit_m();
     if (one.at_least_m > limit_m || told_.left_out.size() >= ask_.most_left_out) return;
-    std::optional<FenceStanding> standing = standing_of(one.number, limit_m, true);
-    if (!standing || (is_of_nearest() ? standing->distance_m > limit_m : standing->is_in == Decision::no)) return;
-    standing->why_not_looked_at = one.why_not;
+    std::optional<ExplainedStanding> standing = standing_of(one.number, limit_m, true);
+    if (!standing || (is_of_nearest() ? standing->clearance_m > limit_m : standing->verdict == collided::Verdict::miss))
+      return;
+    standing->why_left_out = one.why_not;
     told_.left_out.push_back(std::move(*standing));
   }
   /// What is left out is told of in a fence, and where it is nearer than the nearest.
   double left_out_limit_m() const {
     if (!is_of_nearest()) return 0;
-    return told_.inside.empty() ? fence_.rule.nearest->within_m : told_.inside.front().distance_m;
+    return told_.inside.empty() ? fence_.rule.nearest->within_m : told_.inside.front().clearance_m;
   }
   /// Nothing where it is surely farther than the limit, or the deadline is over.
-  std::optional<FenceStanding> standing_of(std::uint32_t number, double limit_m, bool with_depth) {
-    FenceStanding standing{.object = members_.info(number).id,
-                           .distance_m = kNoLimit_m,
-                           .error_m = kNoLimit_m,
-                           .is_stale = members_.is_stale(number)};
+  std::optional<ExplainedStanding> standing_of(std::uint32_t number, double limit_m, bool with_depth) {
+    ExplainedStanding standing{.object = members_.info(number).name,
+                               .clearance_m = kNoLimit_m,
+                               .error_m = kNoLimit_m,
+                               .stale = members_.is_stale(number)};
     if (placed_.bounds.empty() || members_.bounds(number).empty()) return standing;
     WalkCost cost;
     const std::optional<ObjectClearance> found = clearance_between(
         placed_, members_.placed(number, deadline_), {.limit_m = limit_m, .depth = with_depth}, cost, deadline_);
     if (!found || deadline_.was_over()) return std::nullopt;
-    standing.is_in = found->touches;
-    standing.distance_m = found->clearance_m;
+    standing.verdict = static_cast<collided::Verdict>(found->touches);
+    standing.clearance_m = found->clearance_m;
     standing.error_m = found->error_m;
-    standing.on_fence = found->on_a;
-    standing.on_object = found->on_b;
+    if (found->touches == Decision::no && found->clearance_m < kNoLimit_m) {
+      standing.on_fence = found->on_a;
+      standing.on_object = found->on_b;
+    }
     return standing;
   }
 
@@ -152,7 +179,7 @@ class FenceSearch {
   const Pose world_pose_;
   Placed placed_;
   std::vector<Outsider> outsiders_;
-  FenceExplanation told_;
+  ExplainedFence told_;
 };
 
 }  // namespace
@@ -204,8 +231,8 @@ std::string why_not_looked_at(const FenceRule& rule, const ObjectInfo& object) {
   return {};
 }
 
-FenceExplanation explain_fence(const Snapshot& snapshot, const FenceLook& fence, const FenceExplanationAsk& ask,
-                               PartMeshes& part_meshes, Deadline& deadline) {
+ExplainedFence explain_fence(const Snapshot& snapshot, const FenceLook& fence, const FenceExplanationAsk& ask,
+                             PartMeshes& part_meshes, Deadline& deadline) {
   const OwnFloatEnvironment own_floats;
   return FenceSearch(snapshot, fence, ask, part_meshes, deadline).run();
 }

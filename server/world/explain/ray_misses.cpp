@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include <collided/explanations.hpp>
+
 #include "server/geometry/tolerance.hpp"
 #include "server/world/groups/object_clearance.hpp"
 #include "server/world/objects/object_placing.hpp"
@@ -41,16 +43,16 @@ RayMisses::RayMisses(const Snapshot& snapshot, const RayExplanationAsk& ask, Par
       unit_(ray_.direction.stableNormalized()),
       members_(snapshot, part_meshes) {}
 
-void RayMisses::look_at_boxes(const std::unordered_set<ObjectId>& met, RayExplanation& told) {
+void RayMisses::look_at_boxes(const std::unordered_set<ObjectId>& met, ExplainedRay& told) {
   const Questions asked = ask_.questions();
   for (const auto& info : snapshot_.objects) {
     if (!info) continue;
-    ++told.object_count;
+    ++told.objects;
     const std::uint32_t number = members_.add(info->id);
     const Aabb& box = members_.bounds(number);
     const bool is_met = !box.empty() && entry_of(ray_, box) < kNoLimit_m;
     if (info->is_unknown) {
-      if (is_met) told.unknown.push_back(info->id);
+      if (is_met) told.unknown.push_back(info->name);
       continue;
     }
     const bool is_left_out = !may_answer(*info, asked);
@@ -82,21 +84,22 @@ double RayMisses::reach_m(const Aabb& box) const {
   return std::clamp(farthest_m, 0.0, ray_.length_m);
 }
 
-void RayMisses::find(Deadline& deadline, RayExplanation& told) {
+void RayMisses::find(Deadline& deadline, ExplainedRay& told) {
   std::stable_sort(passed_.begin(), passed_.end(),
                    [](const Passed& a, const Passed& b) { return a.at_least_m < b.at_least_m; });
-  const auto nearer = [](const RayMiss& a, const RayMiss& b) { return a.distance_m < b.distance_m; };
-  std::optional<RayMiss> asked_for;
+  const auto nearer = [](const ExplainedMiss& a, const ExplainedMiss& b) { return a.distance_m < b.distance_m; };
+  std::optional<ExplainedMiss> asked_for;
+  const std::string_view why_not = ask_.why_not ? snapshot_.objects[slot_of(*ask_.why_not)]->name : std::string_view();
   const bool is_told = std::any_of(told.left_out.begin(), told.left_out.end(),
-                                   [&](const RayMeeting& meeting) { return ask_.why_not == meeting.hit.object; });
+                                   [&](const ExplainedMeeting& meeting) { return why_not == meeting.object; });
   // Where some test was not decided, or not told, what meets the segment may meet the ray.
-  is_any_open_ = told.is_cut || told.reason == UndecidedReason::numeric;
+  is_any_open_ = told.cut || told.reason == collided::UndecidedReason::numeric;
   for (const Passed& passed : passed_) {
     const bool is_asked_for = !is_told && ask_.why_not == members_.info(passed.number).id;
     const bool is_full = told.misses.size() >= ask_.most_misses;
     const double limit_m = is_full ? (told.misses.empty() ? -1 : told.misses.back().distance_m) : kNoLimit_m;
     if (!is_asked_for && (passed.at_least_m > limit_m || passed.is_left_out)) continue;
-    const std::optional<RayMiss> miss = miss_of(passed, is_asked_for ? kNoLimit_m : limit_m, deadline);
+    const std::optional<ExplainedMiss> miss = miss_of(passed, is_asked_for ? kNoLimit_m : limit_m, deadline);
     if (deadline.was_over()) break;
     if (!miss) continue;
     if (is_asked_for) {
@@ -110,7 +113,7 @@ void RayMisses::find(Deadline& deadline, RayExplanation& told) {
 }
 
 /// The distance of the object from the part of the ray that can be nearest to it; nothing beyond the limit.
-std::optional<RayMiss> RayMisses::miss_of(const Passed& passed, double limit_m, Deadline& deadline) {
+std::optional<ExplainedMiss> RayMisses::miss_of(const Passed& passed, double limit_m, Deadline& deadline) {
   const Placed& object = members_.placed(passed.number, deadline);
   const double length_m = reach_m(bounded_part(object));
   const Vec3 end = ray_.origin + length_m * unit_;
@@ -126,25 +129,26 @@ std::optional<RayMiss> RayMisses::miss_of(const Passed& passed, double limit_m, 
   const std::optional<ObjectClearance> found =
       clearance_between(segment, object, {.limit_m = limit_m, .depth = false}, cost, deadline);
   if (!found) return std::nullopt;
-  RayMiss miss{.object = members_.info(passed.number).id,
-               .meets = found->touches,
-               .distance_m = found->clearance_m,
-               .error_m = found->error_m + end_error_m,
-               .on_ray = found->on_a,
-               .on_object = found->on_b,
-               .point_error_m = found->point_error_m + end_error_m,
-               .triangle = found->b_triangle,
-               .is_box_met = passed.is_box_met,
-               .is_left_out = passed.is_left_out};
+  const ObjectInfo& info = members_.info(passed.number);
+  ExplainedMiss miss{.object = info.name,
+                     .verdict = static_cast<collided::Verdict>(found->touches),
+                     .distance_m = found->clearance_m,
+                     .error_m = found->error_m + end_error_m,
+                     .on_ray = found->on_a,
+                     .on_object = found->on_b,
+                     .point_error_m = found->point_error_m + end_error_m,
+                     .triangle = info.reported_triangle(found->b_triangle),
+                     .box_met = passed.is_box_met,
+                     .why_left_out = why_left_out(info, ask_)};
   if (found->touches == Decision::yes) {
     // The exact test of the ray said no: the two are apart by no more than the segment is off.
-    miss.meets = is_any_open_ ? Decision::undecided : Decision::no;
+    miss.verdict = is_any_open_ ? collided::Verdict::undecided : collided::Verdict::miss;
     miss.distance_m = 0;
     miss.error_m = placing_error_m(segment, kNoTriangle, object, kNoTriangle) + end_error_m;
   }
   miss.along_m = std::clamp((miss.on_ray - ray_.origin).dot(unit_), 0.0, ray_.length_m);
-  miss.is_at_start = miss.along_m <= miss.point_error_m;
-  miss.is_at_length = miss.along_m + miss.point_error_m >= ray_.length_m;
+  if (miss.along_m + miss.point_error_m >= ray_.length_m) miss.where = WhereMissed::end;
+  else if (miss.along_m <= miss.point_error_m) miss.where = WhereMissed::start;
   return miss;
 }
 

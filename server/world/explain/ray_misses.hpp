@@ -9,6 +9,10 @@
 #include "server/world/explain/ray_explanation.hpp"
 #include "server/world/groups/members.hpp"
 
+namespace collided {
+struct ExplainedMiss;
+}
+
 namespace collided::engine {
 
 /// The search for the objects that a ray passes nearest without meeting them: by their boxes first, then exactly as far
@@ -23,9 +27,9 @@ class RayMisses {
   /// Counts the boxes that the ray meets, and what the filter leaves out.
   ///
   /// met  objects that the ray meets
-  void look_at_boxes(const std::unordered_set<ObjectId>& met, RayExplanation& told);
+  void look_at_boxes(const std::unordered_set<ObjectId>& met, ExplainedRay& told);
   /// Fills told.misses. To be called after look_at_boxes().
-  void find(Deadline& deadline, RayExplanation& told);
+  void find(Deadline& deadline, ExplainedRay& told);
 
  private:
   static constexpr double kNoLimit_m = std::numeric_limits<double>::infinity();
@@ -39,7 +43,7 @@ class RayMisses {
 
   double least_distance_m(const Aabb& box) const;
   double reach_m(const Aabb& box) const;
-  std::optional<RayMiss> miss_of(const Passed& passed, double limit_m, Deadline& deadline);
+  std::optional<ExplainedMiss> miss_of(const Passed& passed, double limit_m, Deadline& deadline);
 
   const Snapshot& snapshot_;
   const RayExplanationAsk& ask_;

@@ -6,13 +6,13 @@
 #include <string>
 #include <vector>
 
-#include <collided/events.hpp>
 #include <collided/geometry.hpp>
 #include <collided/pair.hpp>
 #include <collided/questions.hpp>
 
 /// Why an answer is what it is, and not another one: of a ray, of two objects, of a fence, of an event. Metres, world
-/// coordinates; times are world times since 1970.
+/// coordinates; times are world times since 1970. The server fills these structs; as JSON they have the names that
+/// idl/answers/explanation.hpp lists.
 #pragma GCC visibility push(default)
 
 namespace collided {
@@ -37,8 +37,8 @@ enum class Rung { filter, expansion, rational };
 
 /// An object that the ray meets.
 struct ExplainedMeeting {
-  std::string object;
-  std::string kind;       // box, sphere, ..., mesh, compound
+  std::string object = {};
+  std::string kind = {};  // box, sphere, ..., mesh, compound
   double distance_m = 0;  // |truth - distance_m| <= error_m
   double error_m = 0;
   Vec3 point = Vec3::Zero();
@@ -57,7 +57,7 @@ enum class WhereMissed { beside, start, end };
 
 /// An object that the ray does not meet, or of which that is open.
 struct ExplainedMiss {
-  std::string object;
+  std::string object = {};
   Verdict verdict = Verdict::miss;  // or undecided
   double distance_m = 0;            // the least of any two points of ray and object; |truth - distance_m| <= error_m
   double error_m = 0;
@@ -73,7 +73,7 @@ struct ExplainedMiss {
 
 /// An object whose publisher is lost, and that may be in the ray's way by now.
 struct ExplainedStale {
-  std::string object;
+  std::string object = {};
   std::chrono::nanoseconds age{0};  // of its last pose
   double from_m = 0;                // where along the ray that may be, at the earliest
 };
@@ -81,20 +81,20 @@ struct ExplainedStale {
 struct ExplainedRay {
   Verdict verdict = Verdict::miss;
   UndecidedReason reason = UndecidedReason::none;
-  Rung rung = Rung::filter;                // the highest that the whole answer needed
-  std::uint64_t nodes = 0;                 // boxes of the indexes that were opened
-  std::uint64_t exact_tests = 0;           // of parts
-  std::uint64_t objects = 0;               // in the world
-  std::uint64_t boxes_met = 0;             // of objects that may answer: the candidates
-  std::uint64_t left_out_count = 0;        // objects that the filter leaves out
-  std::vector<ExplainedMeeting> met;       // each object once, in order along the ray; the first is the answer
-  std::vector<ExplainedMeeting> left_out;  // would have come before the answer but for the filter
-  std::vector<ExplainedMiss> misses;       // nearest first, then the one asked for
-  std::vector<ExplainedStale> stale;
-  std::vector<std::string> unknown;    // unknown space whose box the ray meets
-  std::optional<Uncovered> uncovered;  // where the ray leaves the space in which the geometry is complete
-  bool cut = false;                    // there are more hits than are looked at: `met` lacks some
-  bool late = false;                   // the deadline was over: misses may lack nearer ones
+  Rung rung = Rung::filter;                     // the highest that the whole answer needed
+  std::uint64_t nodes = 0;                      // boxes of the indexes that were opened
+  std::uint64_t exact_tests = 0;                // of parts
+  std::uint64_t objects = 0;                    // in the world
+  std::uint64_t boxes_met = 0;                  // of objects that may answer: the candidates
+  std::uint64_t left_out_count = 0;             // objects that the filter leaves out
+  std::vector<ExplainedMeeting> met = {};       // each object once, in order along the ray; the first is the answer
+  std::vector<ExplainedMeeting> left_out = {};  // would have come before the answer but for the filter
+  std::vector<ExplainedMiss> misses = {};       // nearest first, then the one asked for
+  std::vector<ExplainedStale> stale = {};
+  std::vector<std::string> unknown = {};    // unknown space whose box the ray meets
+  std::optional<Uncovered> uncovered = {};  // where the ray leaves the space in which the geometry is complete
+  bool cut = false;                         // there are more hits than are looked at: `met` lacks some
+  bool late = false;                        // the deadline was over: misses may lack nearer ones
   std::chrono::nanoseconds world_time{0};
   std::uint64_t version = 0;
 };
@@ -117,24 +117,27 @@ struct ExplainedApproach {
 };
 
 struct ExplainedPair {
-  PairAnswer answer;                 // as Client::pair gives it, without triangles and certificate
-  std::vector<std::string> why_not;  // what keeps contacts of the two from being told, a sentence each; empty: they are
-  std::string attached;              // the one that moves along with the other; empty: neither
-  std::optional<ExplainedApproach> nearest;
-  std::string no_nearest;  // why there is none
+  PairAnswer answer = {};  // as Client::pair gives it, without triangles and certificate
+  std::vector<std::string> why_not =
+      {};                     // what keeps contacts of the two from being told, a sentence each; empty: they are
+  std::string attached = {};  // the one that moves along with the other; empty: neither
+  std::optional<ExplainedApproach> nearest = {};
+  std::string no_nearest = {};  // why there is none
 };
 
 // ---- a fence -------------------------------------------------------------------------------------------------------
 
 /// How an object stands to a fence.
 struct ExplainedStanding {
-  std::string object;
+  std::string object = {};
   /// Where both are now: hit: it is in; miss: out. It may differ from `told`, which is as far as both publishers have said
   /// where they are.
   Verdict verdict = Verdict::miss;
   double clearance_m =
       0;  // out: the distance; in: minus the depth; |truth - clearance_m| <= error_m. Infinite: not looked at
   double error_m = 0;
+  std::optional<Vec3> on_fence = {};  // the nearest points of two that are apart
+  std::optional<Vec3> on_object = {};
   bool stale = false;                                  // its publisher is lost, and it may be elsewhere
   bool told = false;                                   // it was told that it is in
   std::optional<std::chrono::nanoseconds> since = {};  // of told: when it came in
@@ -146,31 +149,31 @@ struct ExplainedStanding {
 /// An event of the fence that is remembered.
 struct ExplainedNews {
   std::uint64_t sequence = 0;
-  std::string what;  // enter, exit
-  std::string object;
-  std::string why;    // of exit: separated, removed, ...
-  std::string doubt;  // empty: none
+  std::string what = {};  // enter, exit
+  std::string object = {};
+  std::string why = {};    // of exit: separated, removed, ...
+  std::string doubt = {};  // empty: none
   std::chrono::nanoseconds low{0};
   std::chrono::nanoseconds high{0};
 };
 
 struct ExplainedFence {
-  std::string fence;
-  std::string kind;
-  std::string to;    // the object that it is fixed to; empty: the world
-  std::string only;  // what it looks at, as in Fence
-  std::string skip;
+  std::string fence = {};
+  std::string kind = {};
+  std::string to = {};    // the object that it is fixed to; empty: the world
+  std::string only = {};  // what it looks at, as in Fence
+  std::string skip = {};
   std::uint32_t mask = 0xffffffff;
-  std::vector<std::string> tells;  // enter, exit, cross
+  std::vector<std::string> tells = {};  // enter, exit, cross
   bool keep = false;
-  bool placed = true;                      // false: the object that it is fixed to is not there, so it looks at nothing
-  std::uint64_t looked_at = 0;             // objects
-  std::vector<ExplainedStanding> inside;   // of which it was told that they are in, the deepest first
-  std::vector<ExplainedStanding> outside;  // the nearest others that it looks at
-  std::vector<ExplainedStanding> left_out;  // moving objects in it that it does not look at
-  std::optional<ExplainedStanding> asked_for;
-  std::vector<ExplainedNews> events;  // the last that are remembered
-  bool late = false;                  // the deadline was over: some were not looked at
+  bool placed = true;           // false: the object that it is fixed to is not there, so it looks at nothing
+  std::uint64_t looked_at = 0;  // objects
+  std::vector<ExplainedStanding> inside = {};    // of which it was told that they are in, the deepest first
+  std::vector<ExplainedStanding> outside = {};   // the nearest others that it looks at
+  std::vector<ExplainedStanding> left_out = {};  // moving objects in it that it does not look at
+  std::optional<ExplainedStanding> asked_for = {};
+  std::vector<ExplainedNews> events = {};  // the last that are remembered
+  bool late = false;                       // the deadline was over: some were not looked at
   std::chrono::nanoseconds world_time{0};
   std::uint64_t version = 0;
 };
@@ -179,23 +182,23 @@ struct ExplainedFence {
 
 /// Of a question for the nearest. Of its standings a hit is one that touches, and clearances are distances to what it is about.
 struct ExplainedNearest {
-  std::string nearest;  // name of the question
-  std::string to;       // the object that distances are to; empty: `point`
-  std::optional<Vec3> point;
-  std::string only;  // what it looks at, as in NearestQuestion
-  std::string skip;
+  std::string nearest = {};  // name of the question
+  std::string to = {};       // the object that distances are to; empty: `point`
+  std::optional<Vec3> point = {};
+  std::string only = {};  // what it looks at, as in NearestQuestion
+  std::string skip = {};
   std::uint32_t mask = 0xffffffff;
   double within_m = 0;
   double hysteresis_m = 0;
   bool keep = false;
-  bool placed = true;                       // false: `to` is not there, so it looks at nothing
-  std::uint64_t looked_at = 0;              // objects
-  std::optional<ExplainedStanding> is;      // the nearest, as it was told
-  std::vector<ExplainedStanding> others;    // nearest first, also beyond within_m
-  std::vector<ExplainedStanding> left_out;  // nearer than the nearest, and not looked at
-  std::optional<ExplainedStanding> asked_for;
-  std::vector<ExplainedNews> events;  // nearest, no longer nearest
-  std::uint64_t cut_short = 0;        // as in ListedNearest
+  bool placed = true;                            // false: `to` is not there, so it looks at nothing
+  std::uint64_t looked_at = 0;                   // objects
+  std::optional<ExplainedStanding> is = {};      // the nearest, as it was told
+  std::vector<ExplainedStanding> others = {};    // nearest first, also beyond within_m
+  std::vector<ExplainedStanding> left_out = {};  // nearer than the nearest, and not looked at
+  std::optional<ExplainedStanding> asked_for = {};
+  std::vector<ExplainedNews> events = {};  // nearest, no longer nearest
+  std::uint64_t cut_short = 0;             // as in ListedNearest
   bool late = false;
   std::chrono::nanoseconds world_time{0};
   std::uint64_t version = 0;
@@ -208,11 +211,11 @@ enum class EventsOf { contacts, fences };
 
 /// One of the two of an event, at the time by which it had happened.
 struct ExplainedBody {
-  std::string object;
+  std::string object = {};
   bool remembered = false;  // false: where it was then is not known any more, and nothing below
   bool moving = false;
-  std::string publisher;  // empty: the server's own, or without a name
-  Pose pose;
+  std::string publisher = {};  // empty: the server's own, or without a name
+  Pose pose = {};
   /// The two poses between which the change lies; none: it was at rest, or that is not remembered.
   std::optional<std::chrono::nanoseconds> motion_from = {};
   std::optional<std::chrono::nanoseconds> motion_to = {};
@@ -229,20 +232,28 @@ struct ExplainedGap {
 struct ExplainedEvent {
   std::uint64_t sequence = 0;
   EventsOf of = EventsOf::contacts;
-  std::string what;   // began, ended, ...; of fences enter, exit, nearest, no longer nearest
-  std::string why;    // of an end: separated, removed, ...
-  std::string doubt;  // empty: none
-  std::string a;
-  std::string b;
-  std::string margin;               // of a margin's band: its name, and `b` is the object that has the band
-  std::string within;               // and the band, in metres
+  std::string what = {};   // began, ended, ...; of fences enter, exit, nearest, no longer nearest
+  std::string why = {};    // of an end: separated, removed, ...
+  std::string doubt = {};  // empty: none
+  std::string a = {};
+  std::string b = {};
+  std::string margin = {};                 // of a margin's band: its name, and `b` is the object that has the band
+  std::string within = {};                 // and the band, in metres
+  std::uint32_t a_triangle = kNoTriangle;  // as in Event, and so are the next six
+  std::uint32_t b_triangle = kNoTriangle;
+  double depth_m = 0;
+  double error_m = 0;
+  Vec3 point = Vec3::Zero();
+  Vec3 normal = Vec3::Zero();
+  std::uint64_t episode = 0;
+  std::chrono::nanoseconds began{0};
   std::chrono::nanoseconds low{0};  // the change happened between these two
   std::chrono::nanoseconds high{0};
-  std::vector<std::string> why_wide;       // why these two are so far apart, a sentence each
-  std::vector<ExplainedBody> bodies;       // a and b
-  std::optional<ExplainedGap> before;      // at `low`; of contacts whose places then are remembered
-  std::optional<ExplainedGap> after;       // at `high`
-  std::chrono::nanoseconds world_time{0};  // of the step that found it
+  std::vector<std::string> why_wide = {};   // why these two are so far apart, a sentence each
+  std::vector<ExplainedBody> bodies = {};   // a and b
+  std::optional<ExplainedGap> before = {};  // at `low`; of contacts whose places then are remembered
+  std::optional<ExplainedGap> after = {};   // at `high`
+  std::chrono::nanoseconds world_time{0};   // of the step that found it
   std::uint64_t version = 0;
 };
 

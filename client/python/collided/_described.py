@@ -1,0 +1,63 @@
+"""Answers of the server as instances of dataclasses, whose annotations say how they are read."""
+
+from __future__ import annotations
+
+import dataclasses
+import functools
+import math
+import types
+import typing
+from typing import Any, TypeVar
+
+from ._answers import NO_TRIANGLE, Verdict
+
+_VERDICTS = {
+    **dict.fromkeys(("miss", "outside", "apart"), Verdict.MISS),
+    **dict.fromkeys(("hit", "inside", "touching"), Verdict.HIT),
+}
+T = TypeVar("T")
+
+
+def read(kind: type[T], row: dict[str, Any]) -> T:
+    """The answer as a dataclass.
+
+    A member comes from that of its own name, or of the path in its Annotated[type, "name", place in the value, ...]. A member
+    that was not written is false, 0, empty or None, as its type has it."""
+    return kind(**{name: _value(hint, _reached(row, path)) for name, hint, path in _members(typing.cast(Any, kind))})
+
+
+@functools.cache
+def _members(kind: type) -> list[tuple[str, Any, tuple[Any, ...]]]:
+    members = []
+    for name, hint in typing.get_type_hints(kind, include_extras=True).items():
+        is_annotated = typing.get_origin(hint) is typing.Annotated
+        members.append((name, hint.__origin__, hint.__metadata__) if is_annotated else (name, hint, (name,)))
+    return members
+
+
+def _reached(value: Any, path: tuple[Any, ...]) -> Any:
+    for step in path:
+        if value is None:
+            return None
+        if isinstance(step, str):
+            value = value.get(step)
+        elif isinstance(step, slice):
+            value = value[step]
+        else:
+            value = value[step] if step < len(value) else None
+    return None if path == ("triangle",) and value == NO_TRIANGLE else value
+
+
+def _value(hint: Any, value: Any) -> Any:
+    kinds = typing.get_args(hint)
+    if isinstance(hint, types.UnionType):
+        return None if value is None else _value(kinds[0], value)
+    if value is None:
+        return hint()
+    if hint is float:
+        return math.inf if isinstance(value, str) else value
+    if hint is Verdict:
+        return _VERDICTS.get(value, Verdict.UNDECIDED)
+    if typing.get_origin(hint) is tuple:
+        return tuple(_value(kinds[0], one) for one in value) if kinds[-1] is ... else tuple(value[: len(kinds)])
+    return read(hint, value) if dataclasses.is_dataclass(hint) else value
