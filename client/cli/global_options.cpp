@@ -38,7 +38,11 @@ void declare_globals(CLI::App& app, Globals& globals) {
 }
 
 void declare_verb(CLI::App& app, Command& command, Globals& globals) {
-  app.set_help_flag("-h,--help", "This help");
+  app.set_help_flag();
+  // As it is read: before the value of another option is refused.
+  app.add_flag_callback(
+         "-h,--help", [] { throw CLI::CallForHelp(); }, "This help")
+      ->trigger_on_parse();
   command.declare(app);
   declare_globals(app, globals);
 }

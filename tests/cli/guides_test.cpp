@@ -24,6 +24,14 @@ TEST(Guides, HelpNamesEveryVerbAsAWordOfItsOwn) {
   for (std::string line; std::getline(help, line);) EXPECT_LE(line.size(), 80U) << line;
 }
 
+TEST(Guides, HelpComesWhateverElseIsWrong) {
+  for (const char* words : {"ray -h", "ray --length soon -h", "ray -h --length", "ray --nothing --help"}) {
+    const auto ran = collide(words);
+    EXPECT_EQ(ran.code, 0) << words << ran.err;
+    EXPECT_NE(ran.out.find("collide ray - what a ray meets"), std::string::npos) << words;
+  }
+}
+
 TEST(Guides, HelpPrintsAGuideThatFitsAndListsThemAll) {
   const std::string help = collide("help").out;
   for (const Guide& guide : guides()) EXPECT_NE(help.find(guide.name), std::string::npos) << guide.name;
