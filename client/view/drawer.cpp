@@ -51,7 +51,8 @@ Bytes Drawer::draw() const {
   if (y_is_up_) options.view.up = Vec3::UnitY();
   options.crease_cosine = kCreaseCosine;
   options.sight.spacing_px = 2;
-  draw::Rays rays(client_, {});
+  // A busy server may take longer for a picture's rays than an ordinary question is given.
+  draw::Rays rays(client_, {.timeout = std::chrono::seconds(10)});
   try {
     return make_bytes(as_svg(draw::draw(*shown, options, rays).picture));
   } catch (const Error&) { return nullptr; } catch (const std::bad_alloc&) {

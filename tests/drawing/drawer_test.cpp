@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 class ViewDrawer : public DrawingTest {
  protected:
   static std::string newest(view::Drawer& drawer) {
-    const auto until = std::chrono::steady_clock::now() + 30s;
+    const auto until = std::chrono::steady_clock::now() + 120s;
     while (std::chrono::steady_clock::now() < until) {
       if (const view::Bytes drawn = drawer.newest()) return *drawn;
       std::this_thread::sleep_for(5ms);

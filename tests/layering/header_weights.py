@@ -29,7 +29,7 @@ MOST_MB = 3_250                 # of all files together, each read by itself
 DOORS = {
     "nlohmann/json.hpp": r"client/cli/server_command\.hpp|json_(reading|text|view)\.hpp|described\.hpp|command_arguments\.hpp",
     "spdlog/logger.h": "^$",
-    "CLI/": r"client/cli/(input/solid_flag|verbs/standing)\.hpp",
+    "CLI/": r"client/cli/(input/(option|solid_flag)|verbs/standing)\.hpp",
     "boost/": "^$",
     "fmt/": r"client/cli/verbs/standing\.hpp|server/intake/scene_file/scene_decoder\.hpp",
 }

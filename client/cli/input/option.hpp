@@ -11,7 +11,6 @@
 #include <vector>
 
 #include <CLI/CLI.hpp>
-#include <fmt/format.h>
 
 #include "client/cli/failure.hpp"
 #include "client/cli/input/number.hpp"
@@ -63,7 +62,7 @@ CLI::Option* option(CLI::App& app, const std::string& names, Measure measure, Va
                      [=, name = names.substr(0, names.find(','))](const std::string& text) {
                        const double number =
                            infinity == Infinity::taken ? parse_number(text, measure) : parse_finite(text, measure);
-                       if (number < 0) throw bad_use(fmt::format("{} {} is below 0", name, text));
+                       if (number < 0) throw bad_use(name + ' ' + text + " is below 0");
                        return number;
                      });
 }
