@@ -29,7 +29,9 @@ struct WorldOptions {
   std::int64_t clock_error_ns = 0;   // between two publishers' clocks: widens brackets and nothing else
   PoseMemoryOptions memory = {};     // how far back questions about a past instant reach
   std::uint32_t step_threads = 1;    // that decide what a step has to; the results are the same
-  std::uint32_t step_alone = 2'000;  // pairs of balls, or as much else, that a step decides before it wakes others
+  /// Pairs of balls, or as much else, that a step decides before it wakes others: some 3 ms. On a busy machine a thread that
+  /// was woken may be kept from its block for that long, and the step waits.
+  std::uint32_t step_alone = 50'000;
   double sweep_width_s = 1e-6;       // of the bracket of any other mover's first contact, seconds of world time
   // The world is a shard: it has everything that comes into this box, which is what it covers whatever is stated, until
   // cover_nothing().
