@@ -25,14 +25,14 @@ struct WorldOptions {
   std::uint32_t max_objects = 100'000;      // static parts and moving objects together
   std::uint32_t max_contacts = 10'000'000;  // that one step may find; more set StepCost::truncated
   std::uint32_t max_intervals = 64;         // contacts of a pair between two poses; beyond them it is in doubt
-  double sweep_width = 1e-9;         // of the bracket of a lone sphere's first contact, as a fraction of the step
-  std::int64_t clock_error_ns = 0;   // between two publishers' clocks: widens brackets and nothing else
-  PoseMemoryOptions memory = {};     // how far back questions about a past instant reach
-  std::uint32_t step_threads = 1;    // that decide what a step has to; the results are the same
+  double sweep_width = 1e-9;        // of the bracket of a lone sphere's first contact, as a fraction of the step
+  std::int64_t clock_error_ns = 0;  // between two publishers' clocks: widens brackets and nothing else
+  PoseMemoryOptions memory = {};    // how far back questions about a past instant reach
+  std::uint32_t step_threads = 1;   // that decide what a step has to; the results are the same
   /// Pairs of balls, or as much else, that a step decides before it wakes others: some 3 ms. On a busy machine a thread that
   /// was woken may be kept from its block for that long, and the step waits.
   std::uint32_t step_alone = 50'000;
-  double sweep_width_s = 1e-6;       // of the bracket of any other mover's first contact, seconds of world time
+  double sweep_width_s = 1e-6;  // of the bracket of any other mover's first contact, seconds of world time
   // The world is a shard: it has everything that comes into this box, which is what it covers whatever is stated, until
   // cover_nothing().
   std::optional<Aabb> held = {};
