@@ -25,7 +25,8 @@ void run_questions(const Options& options, const Work& work, AskedWorld& world, 
   mover.primitives = {Box{.center = Vec3::Zero(), .half_m = Vec3::Constant(0.3)}};
   const std::size_t count = options.quick ? 200 : 2'000;
   const std::vector<double> numbers = questions_about(kind, side_m, count, random);
-  const Questions asked{.kind = kind, .numbers = numbers, .mover = &mover};
+  const Questions asked{
+      .kind = kind, .max_hits = kind == QuestionKind::near ? 1U : 1'000U, .numbers = numbers, .mover = &mover};
   Work row = work;
   row.questions = count;
   std::vector<Method> methods{{.name = "collided", .run = [&] { world.ask(asked); }}};
