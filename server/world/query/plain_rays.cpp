@@ -139,7 +139,7 @@ inline bool reaches(const Snapshot& snapshot, const std::vector<std::uint8_t>& a
 }
 
 /// The rules number by number cost more than a node of the tree. Magnitudes whose sum is within the limit are within it,
-/// and a larger sum says nothing yet.
+/// and a larger sum decides nothing.
 [[gnu::always_inline]] inline bool keeps_ray_rules(const double* numbers) {
   const double direction = std::abs(numbers[3]) + std::abs(numbers[4]) + std::abs(numbers[5]);
   const double sum = std::abs(numbers[0]) + std::abs(numbers[1]) + std::abs(numbers[2]) + direction;

@@ -24,7 +24,7 @@ void ask(Question& question, const double* numbers) {
   }
 }
 
-/// Says when a batch is to make room for others. Reads the clock about once in 10 us of work.
+/// Decides when a batch makes room for others. Reads the clock about once in 10 us of work.
 class Pause {
  public:
   explicit Pause(std::int64_t at_ns) : at_ns_(at_ns) {}

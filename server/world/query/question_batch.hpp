@@ -15,7 +15,7 @@ class QuestionBatch {
 
   /// returns  how many were answered before the pause, or before one was given up
   std::size_t answer_all(std::size_t count) const;
-  /// For a plain ray that may meet something that moves.
+  /// Answers a plain ray that may meet something that moves.
   ///
   /// returns  false: it was given up, and has no answer
   bool answer_with_movers(std::size_t place, const PlainRay& ray) const;
@@ -33,7 +33,7 @@ class QuestionBatch {
   bool answer_plain_ray(std::size_t place) const;
   bool finish_plain_ray(std::size_t place, PlainRay& ray) const;
 
-  // Of up to kRaysAtOnce rays, walked together: how many have an answer.
+  // Each walks up to kRaysAtOnce rays together and returns how many have an answer.
   std::size_t answer_plain_rays(std::size_t first, std::size_t count) const;
   std::size_t answer_rays(std::size_t first, std::size_t count) const;
 

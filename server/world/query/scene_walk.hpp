@@ -38,7 +38,7 @@ struct SceneCandidate {
     return of.offer(*scene, triangle, corners);
   }
   /// Takes the triangle at which a walk for any hit ended, unless it was offered as a candidate already. It is surely met,
-  /// so that only what a hit says is left to be worked out.
+  /// so that only the members of the hit remain to be computed.
   void meet(std::uint32_t triangle, const Triangle& corners) const {
     if (triangle == Bvh::kNoTriangle || of.limit() < 0) return;
     if (of.wants_hits()) of.offer(*scene, triangle, corners);
