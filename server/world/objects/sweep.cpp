@@ -117,4 +117,29 @@ Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, co
   return grown(all, reach_m * turn_rad * turn_rad / 8 + 2 * error_m);
 }
 
+StraightWay::StraightWay(const MovingSphere& sphere)
+    : start_(sphere.start),
+      travel_(sphere.end - sphere.start),
+      around_{.low = Vec3::Constant(-sphere.radius_m), .high = Vec3::Constant(sphere.radius_m)} {
+  around_ = grown(around_, kWayError * (sphere.start.cwiseAbs().maxCoeff() + sphere.end.cwiseAbs().maxCoeff()));
+}
+
+StraightWay::StraightWay(const BodyMotion& motion, const Aabb& bounds_at_end, double reach_m) {
+  const bool turns = motion.from.rotation != motion.to.rotation;
+  const Vec3 pivot = turns ? motion.pivot : Vec3::Zero();
+  const Vec3 end = turns ? place(motion.to, pivot) : motion.to.position;
+  start_ = turns ? place(motion.from, pivot) : motion.from.position;
+  travel_ = end - start_;
+  if (turns) around_ = {.low = Vec3::Constant(-reach_m), .high = Vec3::Constant(reach_m)};
+  else around_ = {.low = bounds_at_end.low - end, .high = bounds_at_end.high - end};
+  const double farthest_m = motion.from.position.cwiseAbs().maxCoeff() + motion.to.position.cwiseAbs().maxCoeff();
+  around_ = grown(around_, 2 * kWayError * (farthest_m + 2 * reach_m) + 2 * motion.error_m(reach_m));
+}
+
+Aabb StraightWay::between(double begin, double end) const {
+  const Vec3 first = start_ + begin * travel_;
+  const Vec3 last = start_ + end * travel_;
+  return {.low = first.cwiseMin(last) + around_.low, .high = first.cwiseMax(last) + around_.high};
+}
+
 }  // namespace collided::engine

@@ -53,4 +53,27 @@ Aabb bounds(const ObjectInfo& info, const BodyMotion& motion, double reach_m);
 Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, const Aabb& bounds_at_end,
                   double reach_m);
 
+/// A box that goes straight and contains an object all along its motion, for the bounds of parts of long motions.
+class StraightWay {
+ public:
+  /// Of a sphere, by the places of its centre.
+  explicit StraightWay(const MovingSphere& sphere);
+  /// Of any object.
+  ///
+  /// bounds_at_end  the object's at the motion's end
+  /// reach_m        no point is farther from the frame's origin, by more than twice the pivot's distance where it has one
+  StraightWay(const BodyMotion& motion, const Aabb& bounds_at_end, double reach_m);
+
+  const Vec3& travel() const { return travel_; }
+  Vec3 size() const { return around_.high - around_.low; }
+  /// Contains the object from time `begin` to `end`, as fractions of the motion.
+  Aabb between(double begin, double end) const;
+  bool is_finite() const { return start_.allFinite() && travel_.allFinite() && size().allFinite(); }
+
+ private:
+  Vec3 start_;
+  Vec3 travel_;
+  Aabb around_;  // of the object, seen from the point that goes straight
+};
+
 }  // namespace collided::engine

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "server/world/step/long_ways.hpp"
+
 namespace collided::engine {
 namespace {
 
@@ -60,7 +62,10 @@ void Candidates::decide_pairs(const Grid& grid) {
     return;
   }
   const auto found = [&](std::uint32_t first, std::uint32_t second) { return wait_for(first, second); };
-  grid.pairs(found, walk_);
+  LongWays long_ways(step_);
+  const std::uint32_t parts = long_ways.part_count(grid.size());
+  if (parts > 1) long_ways.pairs(parts, found, walk_);
+  else grid.pairs(found, walk_);
   if (consider_waiting() && is_shared_) shared_->settle();
 }
 
@@ -101,8 +106,28 @@ bool Candidates::look_around(const Grid& grid, std::uint32_t mover, bool all_loo
         (all_look || rows_.has_moved(other) || step_.motion.is_open(other)) && rows_.info(other)->moving;
     return other == mover || (looks_too && other < mover) || wait_for(mover, other);
   };
-  grid.walk_box(step_.motion.bounds()[mover], found, walk_);
+  const std::optional<StraightWay> way = way_of(step_, mover);
+  const std::uint32_t parts = way ? parts_of(*way) : 1;
+  if (parts > 1) look_along(grid, *way, parts, found);
+  else grid.walk_box(step_.motion.bounds()[mover], found, walk_);
   return !cost_.truncated;
+}
+
+/// Offers what the parts of a long way meet, each once.
+void Candidates::look_along(const Grid& grid, const StraightWay& way, std::uint32_t parts, Grid::BoxFound found) {
+  bool goes_on = true;
+  for (std::uint32_t part = 0; goes_on && part < parts; ++part) {
+    const auto box_of = [&](std::uint32_t i) {
+      return way.between(static_cast<double>(i) / parts, static_cast<double>(i + 1) / parts);
+    };
+    const auto found_here = [&](std::uint32_t other) {
+      for (std::uint32_t earlier = 0; earlier < part; ++earlier) {
+        if (overlaps(box_of(earlier), step_.motion.bounds()[other])) return true;
+      }
+      return goes_on = found(other);
+    };
+    grid.walk_box(box_of(part), found_here, walk_);
+  }
 }
 
 /// Queues a pair and prefetches its data. False: there is no room for more, and the search ends.

@@ -51,6 +51,7 @@ class Candidates {
   bool decide_scene(std::uint32_t mover, std::size_t scene);
   void look_whether_worth_sharing() { is_shared_ = shared_ != nullptr && shared_->is_worth(decided_); }
   bool look_around(const Grid& grid, std::uint32_t mover, bool all_look);
+  void look_along(const Grid& grid, const StraightWay& way, std::uint32_t parts, Grid::BoxFound found);
   bool wait_for(std::uint32_t first, std::uint32_t second);
   bool consider_waiting();
   bool consider(std::uint32_t first, std::uint32_t second);
