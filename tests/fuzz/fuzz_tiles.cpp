@@ -7,8 +7,8 @@
 #include <memory>
 #include <span>
 
+#include "idl/scene_tables.hpp"
 #include "idl/tiles_generated.h"
-#include "server/intake/scene_file/verified.hpp"
 #include "server/intake/tiles/tile_format.hpp"
 #include "server/intake/tiles/tile_writer.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
@@ -23,7 +23,7 @@ namespace format = collided::format;
 void seal_tiles(std::string& file, std::span<std::byte> table) {
   auto* const bytes = reinterpret_cast<std::uint8_t*>(table.data());
   if (reinterpret_cast<std::uintptr_t>(bytes) % alignof(double) != 0) return;
-  if (verified<format::TileTable>(bytes, table.size(), nullptr) == nullptr) return;
+  if (format::verified<format::TileTable>(bytes, table.size(), nullptr) == nullptr) return;
   for (const format::Tile* tile : *flatbuffers::GetRoot<format::TileTable>(bytes)->tiles()) {
     const auto* const as_table = reinterpret_cast<const flatbuffers::Table*>(tile);
     const std::uint8_t* const at = as_table->GetAddressOf(format::Tile::VT_CHECKSUM);

@@ -1,48 +1,22 @@
 #include "client/library/commands/geometry_decoding.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
-#include <cstring>
+#include <span>
+#include <utility>
 
 #include "idl/geometry_generated.h"
+#include "idl/scene_tables.hpp"
 #include "idl/topics.hpp"
 #include "idl/unit_quaternion.hpp"
 
 namespace collided::client {
 namespace {
 
-/// Depth of tables allowed. A proper buffer has objects, object, shape.
-constexpr std::uint32_t kMaxDepth = 5;
-
 /// Why something does not hold; thrown and caught in this file.
 struct Flaw {
   const char* what;
-};
-
-/// A verified copy of a buffer, at a suitable alignment, which text need not have.
-template <class Table>
-class Verified {
- public:
-  explicit Verified(std::string_view text) : words_(text.size() / sizeof(std::uint64_t) + 1) {
-    // FlatBuffers cannot address more: its offsets have 31 bits.
-    if (text.size() < 8 || text.size() >= (std::size_t{1} << 31)) throw Flaw{"no buffer"};
-    std::memcpy(words_.data(), text.data(), text.size());
-    const auto* bytes = reinterpret_cast<const std::uint8_t*>(words_.data());
-    // A table takes at least 8 bytes, so more tables than that must share bytes, and verifying them could take for
-    // ever.
-    flatbuffers::Verifier verifier(bytes, text.size(), kMaxDepth, static_cast<std::uint32_t>(text.size() / 8 + 1));
-    if (!verifier.VerifyBuffer<Table>(nullptr)) throw Flaw{"its tables do not check out"};
-    root_ = flatbuffers::GetRoot<Table>(bytes);
-  }
-  const Table* operator->() const { return root_; }
-  const Table& operator*() const { return *root_; }
-  /// Where a byte of the copy stands in the text.
-  std::size_t offset_of(const std::uint8_t* byte) const {
-    return static_cast<std::size_t>(byte - reinterpret_cast<const std::uint8_t*>(words_.data()));
-  }
-
- private:
-  std::vector<std::uint64_t> words_;
-  const Table* root_ = nullptr;
 };
 
 Vec3 vector_of(const format::Vec3& from) {
@@ -77,14 +51,6 @@ Vec3 sizes_of(const format::Vec3& from) {
   const Vec3 sizes = vector_of(from);
   if ((sizes.array() < 0).any()) throw Flaw{"a size is below 0"};
   return sizes;
-}
-
-/// A number or struct, copied, since the verifier does not guarantee that 8-byte numbers are aligned.
-template <class Number>
-Number at(const flatbuffers::Vector<Number>& numbers, std::size_t i) {
-  Number number;
-  std::memcpy(&number, numbers.Data() + i * sizeof number, sizeof number);
-  return number;
 }
 
 class ObjectsDecoder {
@@ -132,11 +98,7 @@ class ObjectsDecoder {
   void each(const flatbuffers::Vector<const Struct*>* from, const Use& use) {
     if (from == nullptr) return;
     spend(from->size() * sizeof(Struct));
-    for (std::size_t i = 0; i < from->size(); ++i) {
-      Struct one;
-      std::memcpy(static_cast<void*>(&one), from->Data() + i * sizeof(Struct), sizeof one);
-      use(one);
-    }
+    for (const Struct& one : format::copied<Struct>(from)) use(one);
   }
 
   void add_parts(const format::Shape& from, Shape& parts) {
@@ -178,46 +140,42 @@ class ObjectsDecoder {
 };
 
 std::vector<SurfaceEdge> edges_of(const format::Surface& from, std::size_t vertex_count, std::size_t triangle_count) {
-  const std::size_t count = from.edge_kinds() == nullptr ? 0 : from.edge_kinds()->size();
-  if (count * 4 != (from.edges() == nullptr ? 0 : from.edges()->size())) throw Flaw{"edges are not one a kind"};
-  std::vector<SurfaceEdge> edges(count);
-  for (std::size_t i = 0; i < count; ++i) {
-    const auto number = [&](std::size_t k) { return from.edges()->Get(static_cast<std::uint32_t>(4 * i + k)); };
-    SurfaceEdge& edge = edges[i];
-    edge = {{number(0), number(1)}, {number(2), number(3)}, from.edge_kinds()->Get(static_cast<std::uint32_t>(i))};
-    const bool names_points = edge.ends[0] < vertex_count && edge.ends[1] < vertex_count;
-    const bool has_second = edge.triangles[1] < triangle_count || edge.triangles[1] == kNoTriangle;
-    if (!names_points || edge.triangles[0] >= triangle_count || !has_second)
+  const std::uint32_t count = from.edge_kinds() == nullptr ? 0 : from.edge_kinds()->size();
+  if (std::uint64_t{count} * 4 != (from.edges() == nullptr ? 0 : from.edges()->size()))
+    throw Flaw{"edges are not one a kind"};
+  std::vector<SurfaceEdge> edges;
+  edges.reserve(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const std::uint32_t* numbers = from.edges()->data() + 4 * std::size_t{i};
+    edges.push_back({{numbers[0], numbers[1]}, {numbers[2], numbers[3]}, from.edge_kinds()->Get(i)});
+    const bool has_second = numbers[3] < triangle_count || numbers[3] == kNoTriangle;
+    if (numbers[0] >= vertex_count || numbers[1] >= vertex_count || numbers[2] >= triangle_count || !has_second)
       throw Flaw{"an edge names what is not there"};
   }
   return edges;
 }
 
-Surface surface_of(const format::Surface& from) {
+Surface surface_of(const format::Surface& from, const std::uint8_t*) {
   const auto& numbers = *from.mesh()->vertices();
   const auto& corners = *from.mesh()->corners();
   if (numbers.size() % 3 != 0 || corners.size() % 3 != 0) throw Flaw{"numbers are not by threes"};
   Surface surface;
-  surface.vertices.reserve(numbers.size() / 3);
-  for (std::uint32_t i = 0; i < numbers.size(); i += 3) {
-    surface.vertices.emplace_back(at(numbers, i), at(numbers, i + 1), at(numbers, i + 2));
-    if (!surface.vertices.back().allFinite()) throw Flaw{"a vertex is not finite"};
+  surface.vertices = format::copied<Vec3>(&numbers);
+  for (const Vec3& vertex : surface.vertices) {
+    if (!vertex.allFinite()) throw Flaw{"a vertex is not finite"};
   }
-  surface.triangles.reserve(corners.size() / 3);
-  for (std::uint32_t i = 0; i < corners.size(); i += 3) {
-    surface.triangles.push_back({corners.Get(i), corners.Get(i + 1), corners.Get(i + 2)});
-    for (const std::uint32_t corner : surface.triangles.back()) {
-      if (corner >= surface.vertices.size()) throw Flaw{"a triangle names a vertex that is not there"};
-    }
+  surface.triangles = format::copied<std::array<std::uint32_t, 3>>(&corners);
+  for (const auto& triangle : surface.triangles) {
+    if (*std::max_element(triangle.begin(), triangle.end()) >= surface.vertices.size())
+      throw Flaw{"a triangle names a vertex that is not there"};
   }
   surface.edges = edges_of(from, surface.vertices.size(), surface.triangles.size());
   return surface;
 }
 
-Poses poses_of(const format::Poses& from) {
+Poses poses_of(const format::Poses& from, const std::uint8_t*) {
   const std::uint32_t count = from.ids()->size();
-  const auto& numbers = *from.poses();
-  if (std::uint64_t{numbers.size()} != std::uint64_t{wire_contract::kPoseNumbers} * count ||
+  if (std::uint64_t{from.poses()->size()} != std::uint64_t{wire_contract::kPoseNumbers} * count ||
       from.stale()->size() != count) {
     throw Flaw{"its columns differ in length"};
   }
@@ -225,25 +183,28 @@ Poses poses_of(const format::Poses& from) {
               .version = from.version(),
               .table_version = from.table_version(),
               .world_time = std::chrono::nanoseconds(from.world_time_ns()),
-              .ids = {},
+              .ids = format::copied<std::uint64_t>(from.ids()),
               .poses = {},
-              .stale = {}};
-  for (std::uint32_t i = 0; i < count; ++i) poses.ids.push_back(at(*from.ids(), i));
-  poses.stale.assign(from.stale()->begin(), from.stale()->end());
+              .stale = format::copied<std::uint8_t>(from.stale())};
   poses.poses.reserve(count);
-  for (std::uint32_t i = 0; i < count; ++i) {
-    const auto number = [&](std::uint32_t k) { return at(numbers, std::size_t{wire_contract::kPoseNumbers} * i + k); };
-    const Vec3 position(number(0), number(1), number(2));
+  for (const auto& n : format::copied<std::array<double, wire_contract::kPoseNumbers>>(from.poses())) {
+    const Vec3 position(n[0], n[1], n[2]);
     if (!position.allFinite()) throw Flaw{"a position is not finite"};
-    poses.poses.push_back({position, rotation_of(number(3), number(4), number(5), number(6))});
+    poses.poses.push_back({position, rotation_of(n[3], n[4], n[5], n[6])});
   }
   return poses;
 }
 
-template <class Work>
-auto unless_flawed(std::string& flaw, const Work& work) -> std::optional<decltype(work())> {
+/// What work(root table, first byte) makes of a buffer, unless it has a flaw.
+template <class Table, class Work>
+auto read_table(std::string_view text, std::string& flaw, const Work& work)
+    -> std::optional<decltype(work(std::declval<const Table&>(), nullptr))> {
   try {
-    return work();
+    if (text.size() < 8 || text.size() > format::kMaxBufferBytes) throw Flaw{"no buffer"};
+    const format::AlignedBytes bytes(std::as_bytes(std::span(text)));
+    const Table* root = format::verified<Table>(bytes.data(), text.size(), nullptr);
+    if (root == nullptr) throw Flaw{"its tables do not check out"};
+    return work(*root, bytes.data());
   } catch (const Flaw& found) {
     flaw = found.what;
     return std::nullopt;
@@ -253,36 +214,34 @@ auto unless_flawed(std::string& flaw, const Work& work) -> std::optional<decltyp
 }  // namespace
 
 std::optional<Page> decode_page(std::string_view text, std::string& flaw) {
-  return unless_flawed(flaw, [&] {
-    const Verified<format::Page> page(text);
-    // The same bytes in the text, which outlives the copy.
-    const std::string_view bytes = text.substr(page.offset_of(page->bytes()->Data()), page->bytes()->size());
-    return Page{page->transfer(), page->total(), page->first(), bytes};
+  return read_table<format::Page>(text, flaw, [&](const format::Page& page, const std::uint8_t* first_byte) {
+    // The same bytes in the text, which outlives a copy.
+    const auto first = static_cast<std::size_t>(page.bytes()->Data() - first_byte);
+    return Page{page.transfer(), page.total(), page.first(), text.substr(first, page.bytes()->size())};
   });
 }
 
 std::optional<DecodedObjects> decode_objects(std::string_view text, std::string& flaw) {
-  return unless_flawed(flaw, [&] {
-    const Verified<format::ShownObjects> from(text);
-    DecodedObjects decoded;
-    decoded.shown.epoch = from->epoch();
-    decoded.shown.version = from->version();
-    decoded.shown.table_version = from->table_version();
-    decoded.shown.world_time = std::chrono::nanoseconds(from->world_time_ns());
+  return read_table<format::ShownObjects>(text, flaw, [&](const format::ShownObjects& from, const std::uint8_t*) {
+    DecodedObjects objects;
+    objects.shown.epoch = from.epoch();
+    objects.shown.version = from.version();
+    objects.shown.table_version = from.table_version();
+    objects.shown.world_time = std::chrono::nanoseconds(from.world_time_ns());
     ObjectsDecoder decoder(text.size());
-    for (const format::ShownObject* object : *from->objects()) {
-      decoded.shown.objects.push_back(decoder.object(*object, decoded.runs.emplace_back()));
+    for (const format::ShownObject* object : *from.objects()) {
+      objects.shown.objects.push_back(decoder.object(*object, objects.runs.emplace_back()));
     }
-    return decoded;
+    return objects;
   });
 }
 
 std::optional<Surface> decode_surface(std::string_view text, std::string& flaw) {
-  return unless_flawed(flaw, [&] { return surface_of(*Verified<format::Surface>(text)); });
+  return read_table<format::Surface>(text, flaw, surface_of);
 }
 
 std::optional<Poses> decode_poses(std::string_view text, std::string& flaw) {
-  return unless_flawed(flaw, [&] { return poses_of(*Verified<format::Poses>(text)); });
+  return read_table<format::Poses>(text, flaw, poses_of);
 }
 
 }  // namespace collided::client

@@ -2,20 +2,21 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <memory>
 #include <string>
 #include <string_view>
 #include <unordered_map>
 #include <vector>
 
-#include "idl/scene_generated.h"
+#include "idl/scene_tables.hpp"
 #include "idl/unit_quaternion.hpp"
 #include "server/geometry/convex_hull.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/intake/limits.hpp"
 #include "server/intake/mesh/shape_scale.hpp"
+#include "server/intake/readers/reading.hpp"
 #include "server/intake/readers/vertex_buffer.hpp"
 #include "server/intake/voxel_cells.hpp"
 #include "server/intake/scene.hpp"
@@ -35,18 +36,24 @@ struct Flaw {
   std::string what;
 };
 
-/// The structs of a FlatBuffers vector, copied, since the verifier does not guarantee that 8-byte numbers are aligned.
-template <class Struct>
-std::vector<Struct> copied(const flatbuffers::Vector<const Struct*>* vector) {
-  std::vector<Struct> copies(vector == nullptr ? 0 : vector->size());
-  if (!copies.empty()) { std::memcpy(copies.data(), vector->Data(), copies.size() * sizeof(Struct)); }
-  return copies;
+/// The filter that a table has, or the one of objects that have none.
+inline Filter filter_of(const format::Filter* from) {
+  return from == nullptr ? Filter{} : Filter{from->layers(), from->mask(), from->group()};
 }
 
-inline double number_at(const flatbuffers::Vector<double>& numbers, std::size_t i) {
-  double number;
-  std::memcpy(&number, numbers.Data() + i * sizeof number, sizeof number);
-  return number;
+/// The origins of the pieces of a part or object with that many triangles. Throws a Flaw.
+template <class Table>
+CutTriangles cut_of(const Table& from, const char* kind, std::uint64_t triangle_count) {
+  std::vector<std::uint32_t> pieces = format::copied<std::uint32_t>(from.piece_of());
+  if (pieces.empty()) return {};
+  const std::uint64_t whole_count = triangle_count - std::min<std::uint64_t>(pieces.size(), triangle_count);
+  for (const std::uint32_t whole : pieces) {
+    if (whole >= whole_count) {
+      throw Flaw{fmt::format("{} {} has a piece of triangle {}, allowed are those before {}", kind,
+                             in_quotes(from.name()->string_view()), whole, whole_count)};
+    }
+  }
+  return {std::make_shared<const std::vector<std::uint32_t>>(std::move(pieces))};
 }
 
 /// Turns the tables of a verified buffer into values and checks their meaning. Every function throws a Flaw where
@@ -69,15 +76,7 @@ class SceneDecoder {
     }
     spend_triangles(corners.size() / 3);
     spend_bytes(8 * std::uint64_t{numbers.size()} + 4 * std::uint64_t{corners.size()});
-    TriangleMesh mesh;
-    mesh.vertices.resize(numbers.size() / 3);
-    mesh.triangles.resize(corners.size() / 3);
-    if (!mesh.vertices.empty()) {
-      std::memcpy(mesh.vertices.data()->data(), numbers.Data(), mesh.vertices.size() * sizeof(Vec3));
-    }
-    if (!mesh.triangles.empty()) {
-      std::memcpy(mesh.triangles.data(), corners.Data(), mesh.triangles.size() * sizeof(TriangleCorners));
-    }
+    TriangleMesh mesh{format::copied<Vec3>(&numbers), format::copied<TriangleCorners>(&corners)};
     check(mesh);
     return mesh;
   }
@@ -85,12 +84,22 @@ class SceneDecoder {
   /// A shape with at least one part, scaled.
   Shape shape(const format::Shape& from) {
     Shape shape;
-    add_spheres(from, shape);
+    each("sphere", take(from.spheres()), shape, [&](const format::Sphere& s) {
+      return Sphere{point(s.center(), "center"), size(s.radius(), "radius")};
+    });
     add_boxes(from, shape);
-    add_capsules(from, shape);
-    add_cylinders(from, shape);
-    add_cones(from, shape);
-    add_ellipsoids(from, shape);
+    each("capsule", take(from.capsules()), shape, [&](const format::Capsule& c) {
+      return Capsule{point(c.a(), "end a"), point(c.b(), "end b"), size(c.radius(), "radius")};
+    });
+    each("cylinder", take(from.cylinders()), shape, [&](const format::Cylinder& c) {
+      const auto [a, b] = axis(c.a(), c.b());
+      return Cylinder{a, b, size(c.radius(), "radius")};
+    });
+    each("cone", take(from.cones()), shape, [&](const format::Cone& c) {
+      const auto [apex, base] = axis(c.apex(), c.base());
+      return Cone{apex, base, size(c.radius(), "radius")};
+    });
+    each("ellipsoid", take(from.ellipsoids()), shape, [&](const format::Ellipsoid& e) { return ellipsoid(e); });
     add_hulls(from, shape);
     add_clouds(from, shape);
     add_polylines(from, shape);
@@ -106,7 +115,7 @@ class SceneDecoder {
   }
 
   /// A point of coordinates; `what` names it in a Flaw.
-  Vec3 point(const format::Vec3& from, std::string_view what) const {
+  static Vec3 point(const format::Vec3& from, std::string_view what) {
     const Vec3 point(from.x(), from.y(), from.z());
     if (const std::string reason = beyond_limit(point); !reason.empty())
       throw Flaw{fmt::format("{} is {}", what, reason)};
@@ -114,7 +123,7 @@ class SceneDecoder {
   }
 
   /// A quaternion of norm 1 within kUnitNormSlack, normalized where it is off by more than roundings.
-  Quat rotation(const format::Quat& from, std::string_view what) const {
+  static Quat rotation(const format::Quat& from, std::string_view what) {
     Quat rotation(from.w(), from.x(), from.y(), from.z());
     const double norm = rotation.norm();
     if (!wire_contract::is_unit_quaternion(rotation)) {
@@ -148,11 +157,21 @@ class SceneDecoder {
     const std::uint64_t count = vector == nullptr ? 0 : vector->size();
     spend_primitives(count);
     spend_bytes(count * sizeof(Struct));
-    return copied(vector);
+    return format::copied<Struct>(vector);
+  }
+
+  /// Adds what make(struct) returns for each struct. The text of a flaw begins with the kind and the number of the struct.
+  template <class Struct, class Make>
+  static void each(const char* kind, const std::vector<Struct>& structs, Shape& shape, const Make& make) {
+    for (std::size_t i = 0; i < structs.size(); ++i) {
+      try {
+        shape.primitives.push_back(make(structs[i]));
+      } catch (const Flaw& flaw) { throw Flaw{fmt::format("{} {}: {}", kind, i, flaw.what)}; }
+    }
   }
 
   /// Finite vertices, and vertex numbers in range.
-  void check(const TriangleMesh& mesh) const {
+  static void check(const TriangleMesh& mesh) {
     if (const std::string reason = beyond_limit(mesh); !reason.empty()) throw Flaw{reason};
     for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
       for (std::size_t k = 0; k < 3; ++k) {
@@ -165,20 +184,11 @@ class SceneDecoder {
   }
 
   /// A finite length of 0 or more; `what` names it in a Flaw.
-  double size(double value, std::string_view what) const {
+  static double size(double value, std::string_view what) {
     if (!(value >= 0 && std::isfinite(value))) {
       throw Flaw{fmt::format("{} {} m, allowed are finite sizes of 0 and more", what, value)};
     }
     return value;
-  }
-
-  void add_spheres(const format::Shape& from, Shape& shape) {
-    const auto spheres = take(from.spheres());
-    for (std::size_t i = 0; i < spheres.size(); ++i) {
-      const std::string name = fmt::format("sphere {}: ", i);
-      shape.primitives.push_back(Sphere{point(spheres[i].center(), name + "center"),  //
-                                        size(spheres[i].radius(), name + "radius")});
-    }
   }
 
   void add_boxes(const format::Shape& from, Shape& shape) {
@@ -187,75 +197,41 @@ class SceneDecoder {
     if (!axes.empty() && axes.size() != boxes.size()) {
       throw Flaw{fmt::format("axes for {} boxes of {}", axes.size(), boxes.size())};
     }
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-      const std::string name = fmt::format("box {}: ", i);
-      Box box{.center = point(boxes[i].center(), name + "center"),
-              .axes = axes.empty() ? rotation(boxes[i].rotation(), name + "rotation").toRotationMatrix()
-                                   : unit_axes(axes[i], name + "axes"),
-              .half_m = point(boxes[i].half(), name + "half size")};
-      for (int axis = 0; axis < 3; ++axis) { size(box.half_m[axis], name + "half size"); }
-      shape.primitives.push_back(box);
-    }
+    std::size_t i = 0;
+    each("box", boxes, shape, [&](const format::Box& b) {
+      Box box{.center = point(b.center(), "center"),
+              .axes = axes.empty() ? rotation(b.rotation(), "rotation").toRotationMatrix() : unit_axes(axes[i++]),
+              .half_m = point(b.half(), "half size")};
+      for (int axis = 0; axis < 3; ++axis) { size(box.half_m[axis], "half size"); }
+      return box;
+    });
   }
 
   /// Three unit vectors at right angles, within the slack of unit quaternions.
-  Mat3 unit_axes(const format::Mat3& from, std::string_view what) const {
+  static Mat3 unit_axes(const format::Mat3& from) {
     Mat3 axes;
-    axes << point(from.column_0(), what), point(from.column_1(), what), point(from.column_2(), what);
+    axes << point(from.column_0(), "axes"), point(from.column_1(), "axes"), point(from.column_2(), "axes");
     if (!((axes.transpose() * axes - Mat3::Identity()).cwiseAbs().maxCoeff() <= 2 * kUnitNormSlack)) {
-      throw Flaw{fmt::format("{} are not of length 1 at right angles within {}", what, 2 * kUnitNormSlack)};
+      throw Flaw{fmt::format("axes are not of length 1 at right angles within {}", 2 * kUnitNormSlack)};
     }
     return axes;
   }
 
-  void add_capsules(const format::Shape& from, Shape& shape) {
-    const auto capsules = take(from.capsules());
-    for (std::size_t i = 0; i < capsules.size(); ++i) {
-      const std::string name = fmt::format("capsule {}: ", i);
-      shape.primitives.push_back(Capsule{point(capsules[i].a(), name + "end a"), point(capsules[i].b(), name + "end b"),
-                                         size(capsules[i].radius(), name + "radius")});
-    }
-  }
-
   /// Both ends of an axis; they differ.
-  std::pair<Vec3, Vec3> axis(const format::Vec3& from, const format::Vec3& to, const std::string& name) const {
-    std::pair<Vec3, Vec3> ends{point(from, name + "one end"), point(to, name + "the other end")};
-    if (ends.first == ends.second) { throw Flaw{name + "both ends of the axis are the same point"}; }
+  static std::pair<Vec3, Vec3> axis(const format::Vec3& from, const format::Vec3& to) {
+    std::pair<Vec3, Vec3> ends{point(from, "one end"), point(to, "the other end")};
+    if (ends.first == ends.second) { throw Flaw{"both ends of the axis are the same point"}; }
     return ends;
   }
 
-  void add_cylinders(const format::Shape& from, Shape& shape) {
-    const auto cylinders = take(from.cylinders());
-    for (std::size_t i = 0; i < cylinders.size(); ++i) {
-      const std::string name = fmt::format("cylinder {}: ", i);
-      const auto [a, b] = axis(cylinders[i].a(), cylinders[i].b(), name);
-      shape.primitives.push_back(Cylinder{a, b, size(cylinders[i].radius(), name + "radius")});
-    }
-  }
-
-  void add_cones(const format::Shape& from, Shape& shape) {
-    const auto cones = take(from.cones());
-    for (std::size_t i = 0; i < cones.size(); ++i) {
-      const std::string name = fmt::format("cone {}: ", i);
-      const auto [apex, base] = axis(cones[i].apex(), cones[i].base(), name);
-      shape.primitives.push_back(Cone{apex, base, size(cones[i].radius(), name + "radius")});
-    }
-  }
-
-  void add_ellipsoids(const format::Shape& from, Shape& shape) {
-    const auto ellipsoids = take(from.ellipsoids());
-    for (std::size_t i = 0; i < ellipsoids.size(); ++i) {
-      const std::string name = fmt::format("ellipsoid {}: ", i);
-      const Ellipsoid ellipsoid{point(ellipsoids[i].center(), name + "center"),
-                                unit_axes(ellipsoids[i].axes(), name + "axes"),
-                                point(ellipsoids[i].half(), name + "half size")};
-      for (int k = 0; k < 3; ++k) {
-        if (!(ellipsoid.half_m[k] > 0)) {
-          throw Flaw{fmt::format("{}half size {} m, allowed are sizes above 0", name, ellipsoid.half_m[k])};
-        }
+  static Ellipsoid ellipsoid(const format::Ellipsoid& from) {
+    const Ellipsoid ellipsoid{point(from.center(), "center"), unit_axes(from.axes()), point(from.half(), "half size")};
+    for (int k = 0; k < 3; ++k) {
+      if (!(ellipsoid.half_m[k] > 0)) {
+        throw Flaw{fmt::format("half size {} m, allowed are sizes above 0", ellipsoid.half_m[k])};
       }
-      shape.primitives.push_back(ellipsoid);
     }
+    return ellipsoid;
   }
 
   /// The points of a cloud or polyline.
@@ -267,8 +243,7 @@ class SceneDecoder {
     spend_primitives(numbers.size() / 3);
     spend_bytes(8 * std::uint64_t{numbers.size()});
     size(from.radius(), name + "radius");
-    std::vector<Vec3> points(numbers.size() / 3);
-    std::memcpy(points.data()->data(), numbers.Data(), points.size() * sizeof(Vec3));
+    std::vector<Vec3> points = format::copied<Vec3>(&numbers);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const Vec3& p = points[i];
       if (!p.allFinite()) { throw Flaw{fmt::format("{}point {} is ({}, {}, {})", name, i, p[0], p[1], p[2])}; }
@@ -298,16 +273,14 @@ class SceneDecoder {
 
   void add_half_spaces(const format::Shape& from, Shape& shape) {
     const auto half_spaces = take(from.half_spaces());
-    for (std::size_t i = 0; i < half_spaces.size(); ++i) {
-      const std::string name = fmt::format("half-space {}: ", i);
-      const HalfSpace one{point(half_spaces[i].point(), name + "point"),
-                          point(half_spaces[i].normal(), name + "normal")};
-      if (const double length = one.normal.stableNorm(); !(length >= kLeastNormal && length <= 1 / kLeastNormal)) {
-        throw Flaw{
-            fmt::format("{}normal of length {}, allowed {} to {}", name, length, kLeastNormal, 1 / kLeastNormal)};
+    each("half-space", half_spaces, shape, [&](const format::HalfSpace& h) {
+      const HalfSpace half_space{point(h.point(), "point"), point(h.normal(), "normal")};
+      const double length = half_space.normal.stableNorm();
+      if (!(length >= kLeastNormal && length <= 1 / kLeastNormal)) {
+        throw Flaw{fmt::format("normal of length {}, allowed {} to {}", length, kLeastNormal, 1 / kLeastNormal)};
       }
-      shape.primitives.push_back(one);
-    }
+      return half_space;
+    });
     const bool in_company = shape.primitives.size() > 1 || from.mesh() != nullptr || from.height_field() != nullptr;
     if (!half_spaces.empty() && in_company) {
       throw Flaw{"a half-space with other parts: it has no end, so it makes an object of its own"};
@@ -316,30 +289,30 @@ class SceneDecoder {
 
   /// The two triangles of each cell share the diagonal from a point to the next one of the next row.
   TriangleMesh height_field(const format::HeightField& from) {
-    const auto& heights = *from.heights();
+    const std::uint64_t count = from.heights()->size();
     const std::uint64_t columns = from.columns();
-    const std::uint64_t rows = columns == 0 ? 0 : heights.size() / columns;
-    if (columns < 2 || rows < 2 || heights.size() != columns * rows) {
-      throw Flaw{fmt::format("height field of {} heights in {} columns, needed are whole rows, 2 of 2 at least",
-                             heights.size(), columns)};
+    const std::uint64_t rows = columns == 0 ? 0 : count / columns;
+    if (columns < 2 || rows < 2 || count != columns * rows) {
+      throw Flaw{fmt::format("height field of {} heights in {} columns, needed are whole rows, 2 of 2 at least", count,
+                             columns)};
     }
     for (const double spacing : {from.spacing_x(), from.spacing_y()}) {
-      if (!(spacing > 0 && std::isfinite(spacing * static_cast<double>(heights.size())))) {
+      if (!(spacing > 0 && std::isfinite(spacing * static_cast<double>(count)))) {
         throw Flaw{fmt::format("height field: spacing {} m, allowed are finite lengths above 0", spacing)};
       }
     }
     spend_triangles(2 * (columns - 1) * (rows - 1));
-    spend_bytes(8 * std::uint64_t{heights.size()});
+    spend_bytes(8 * count);
+    const std::vector<double> heights = format::copied<double>(from.heights());
     TriangleMesh mesh;
-    mesh.vertices.reserve(heights.size());
+    mesh.vertices.reserve(count);
     mesh.triangles.reserve(2 * (columns - 1) * (rows - 1));
-    for (std::uint32_t i = 0; i < heights.size(); ++i) {
-      const double height = number_at(heights, i);
+    for (std::uint32_t i = 0; i < count; ++i) {
       const auto column = static_cast<std::uint32_t>(i % columns);
       const auto row = static_cast<std::uint32_t>(i / columns);
-      mesh.vertices.emplace_back(column * from.spacing_x(), row * from.spacing_y(), height);
-      if (!std::isfinite(height)) { throw Flaw{fmt::format("height field: height {} is {}", i, height)}; }
-      if (i % columns == columns - 1 || i / columns == rows - 1) continue;
+      if (!std::isfinite(heights[i])) { throw Flaw{fmt::format("height field: height {} is {}", i, heights[i])}; }
+      mesh.vertices.emplace_back(column * from.spacing_x(), row * from.spacing_y(), heights[i]);
+      if (column == columns - 1 || row == rows - 1) continue;
       const std::uint32_t above = i + static_cast<std::uint32_t>(columns);
       mesh.triangles.push_back({i, i + 1, above + 1});
       mesh.triangles.push_back({i, above + 1, above});

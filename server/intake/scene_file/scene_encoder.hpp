@@ -1,12 +1,11 @@
 #pragma once
 
 #include <cstdint>
-#include <cstring>
 #include <span>
 #include <unordered_map>
 #include <vector>
 
-#include "idl/scene_generated.h"
+#include "idl/scene_tables.hpp"
 #include "server/intake/scene.hpp"
 
 // Encodes values as tables of idl/scene.fbs.
@@ -17,11 +16,7 @@ inline constexpr std::uint32_t kSceneFormat = 3;  // 1 had no checksum, 2 no all
 inline constexpr std::uint64_t kIsChecksum = std::uint64_t{1} << 32;
 
 /// Values as structs of the schema.
-inline format::Vec3 packed(const Vec3& from) { return {from[0], from[1], from[2]}; }
-inline format::Mat3 packed(const Mat3& from) {
-  return {packed(Vec3(from.col(0))), packed(Vec3(from.col(1))), packed(Vec3(from.col(2)))};
-}
-inline format::Quat packed(const Quat& from) { return {from.w(), from.x(), from.y(), from.z()}; }
+using format::packed;
 inline format::Filter packed(const Filter& from) { return {from.layers, from.mask, from.group}; }
 
 /// Builds the tables of one FlatBuffers buffer. Call mesh(), shape() or scene() for the root, then bytes().
@@ -32,17 +27,8 @@ class SceneEncoder {
 
   /// The table of a mesh. Its numbers are copied as they are in memory.
   flatbuffers::Offset<format::Mesh> mesh(const TriangleMesh& from) {
-    double* numbers = nullptr;
-    const auto vertices = builder_.CreateUninitializedVector(3 * from.vertices.size(), &numbers);
-    if (!from.vertices.empty()) {
-      std::memcpy(numbers, from.vertices.front().data(), from.vertices.size() * sizeof(Vec3));
-    }
-    std::uint32_t* indices = nullptr;
-    const auto corners = builder_.CreateUninitializedVector(3 * from.triangles.size(), &indices);
-    if (!from.triangles.empty()) {
-      std::memcpy(indices, from.triangles.data(), from.triangles.size() * sizeof(TriangleCorners));
-    }
-    return format::CreateMesh(builder_, vertices, corners);
+    const auto vertices = format::write_numbers<double>(builder_, from.vertices);
+    return format::CreateMesh(builder_, vertices, format::write_numbers<std::uint32_t>(builder_, from.triangles));
   }
 
   /// The table of a mesh that several objects share; written once.
@@ -58,12 +44,10 @@ class SceneEncoder {
     for (const Primitive& primitive : from.primitives) {
       std::visit([&](const auto& one) { add(one, parts); }, primitive);
     }
-    const auto mesh_table = from.mesh ? shared_mesh(from.mesh.get()) : flatbuffers::Offset<format::Mesh>{};
-    const auto axes = parts.rotations_suffice ? flatbuffers::Offset<flatbuffers::Vector<const format::Mat3*>>{}
-                                              : builder_.CreateVectorOfStructs(parts.axes);
-    const auto hulls = parts.hulls.empty()
-                           ? flatbuffers::Offset<flatbuffers::Vector<flatbuffers::Offset<format::Mesh>>>{}
-                           : builder_.CreateVector(parts.hulls);
+    if (parts.rotations_suffice) parts.box_axes.clear();
+    const auto mesh_table = from.mesh ? shared_mesh(from.mesh.get()) : 0;
+    const auto axes = optional(parts.box_axes);
+    const auto hulls = parts.hull_tables.empty() ? 0 : builder_.CreateVector(parts.hull_tables);
     return format::CreateShape(builder_, optional(parts.spheres), optional(parts.boxes), optional(parts.capsules),
                                mesh_table, axes, optional(parts.cylinders), optional(parts.cones),
                                optional(parts.ellipsoids), hulls, optional(parts.half_spaces), {}, {}, {}, nullptr, {},
@@ -90,11 +74,11 @@ class SceneEncoder {
       objects.push_back(format::CreateObject(builder_, name, shape_table, &position, &rotation, &filter, pieces));
     }
     const bool has_mesh = !from.mesh.vertices.empty() || !from.mesh.triangles.empty();
-    const auto mesh_table = has_mesh ? mesh(from.mesh) : flatbuffers::Offset<format::Mesh>{};
+    const auto mesh_table = has_mesh ? mesh(from.mesh) : 0;
     const auto name = builder_.CreateString(from.name);
     const auto part_vector = builder_.CreateVector(parts);
     const auto object_vector = builder_.CreateVector(objects);
-    const auto collapses = collapse_numbers(from.collapses);
+    const auto collapses = from.collapses.empty() ? 0 : format::write_numbers<std::uint32_t>(builder_, from.collapses);
     const bool is_every_pair = from.allowed_pairs && from.allowed_pairs->is_every_pair();
     const auto allowed_pairs = pair_numbers(from);
     const std::uint32_t format = from.allowed_pairs ? kSceneFormat : kSceneFormat - 1;
@@ -118,22 +102,21 @@ class SceneEncoder {
 
  private:
   flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> piece_numbers(const CutTriangles& cut) {
-    if (!cut.piece_of) return {};
-    return builder_.CreateVector(*cut.piece_of);
+    return cut.piece_of ? builder_.CreateVector(*cut.piece_of) : 0;
   }
 
-  /// A shape's primitives by kind.
+  /// A shape's primitives by kind. Hulls are in the buffer already.
   struct Parts {
     std::vector<format::Sphere> spheres;
     std::vector<format::Box> boxes;
-    std::vector<format::Mat3> axes;  // of the boxes
+    std::vector<format::Mat3> box_axes;
     std::vector<format::Capsule> capsules;
     std::vector<format::Cylinder> cylinders;
     std::vector<format::Cone> cones;
     std::vector<format::Ellipsoid> ellipsoids;
     std::vector<format::HalfSpace> half_spaces;
-    std::vector<flatbuffers::Offset<format::Mesh>> hulls;
-    bool rotations_suffice = true;
+    std::vector<flatbuffers::Offset<format::Mesh>> hull_tables;
+    bool rotations_suffice = true;  // else boxes need box_axes
   };
 
   // A box is stored by its rotation, and by its axes too where the rotation does not give exactly the same bits.
@@ -145,20 +128,12 @@ class SceneEncoder {
     parts.ellipsoids.emplace_back(packed(e.center), packed(e.axes), packed(e.half_m));
   }
   void add(const HalfSpace& h, Parts& parts) { parts.half_spaces.emplace_back(packed(h.point), packed(h.normal)); }
-  void add(const Hull& hull, Parts& parts) { parts.hulls.push_back(mesh(*hull.mesh)); }
+  void add(const Hull& hull, Parts& parts) { parts.hull_tables.push_back(mesh(*hull.mesh)); }
   void add(const Box& box, Parts& parts) {
     const Quat rotation = box.axes.determinant() > 0 ? Quat(box.axes).normalized() : Quat::Identity();
     parts.rotations_suffice = parts.rotations_suffice && rotation.toRotationMatrix() == box.axes;
     parts.boxes.emplace_back(packed(box.center), packed(rotation), packed(box.half_m));
-    parts.axes.emplace_back(packed(box.axes));
-  }
-
-  flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> collapse_numbers(const CollapseOrder& order) {
-    if (order.empty()) return 0;
-    std::uint32_t* numbers = nullptr;
-    const auto vector = builder_.CreateUninitializedVector(2 * order.size(), &numbers);
-    std::memcpy(numbers, order.data(), order.size() * sizeof(EdgeCollapse));
-    return vector;
+    parts.box_axes.emplace_back(packed(box.axes));
   }
 
   /// The objects' allowed pairs by their places in the file.

@@ -3,19 +3,16 @@
 #include <fmt/format.h>
 #include <zlib.h>
 
-#include <cmath>
 #include <cstring>
-#include <unordered_map>
 #include <unordered_set>
 
-#include "idl/scene_generated.h"
+#include "idl/scene_tables.hpp"
 #include "server/intake/file_bytes.hpp"
 #include "server/intake/limits.hpp"
 #include "server/intake/readers/names.hpp"
 #include "server/intake/scene_file/scene_decoder.hpp"
 #include "server/intake/scene_file/scene_encoder.hpp"
 #include "server/intake/scene_file/scene_index.hpp"
-#include "server/intake/scene_file/verified.hpp"
 #include "server/intake/scene_file/write_file.hpp"
 
 namespace collided::engine {
@@ -23,10 +20,6 @@ namespace {
 
 static_assert(sizeof(EdgeCollapse) == 2 * sizeof(std::uint32_t));
 static_assert(sizeof(Vec3) == 3 * sizeof(double) && sizeof(TriangleCorners) == 3 * sizeof(std::uint32_t));
-
-Filter filter_of(const format::Filter* from) {
-  return from == nullptr ? Filter{} : Filter{from->layers(), from->mask(), from->group()};
-}
 
 /// Checks that the names of a scene are valid and occur once.
 class NameCheck {
@@ -46,21 +39,6 @@ class NameCheck {
   std::unordered_set<std::string_view> taken_;
 };
 
-/// The origins of the pieces of a part or object with that many triangles.
-template <class Table>
-CutTriangles decode_pieces(const Table& from, const char* kind, std::uint64_t triangle_count) {
-  if (from.piece_of() == nullptr || from.piece_of()->size() == 0) { return {}; }
-  std::vector<std::uint32_t> pieces(from.piece_of()->begin(), from.piece_of()->end());
-  const std::uint64_t whole_count = triangle_count - std::min<std::uint64_t>(pieces.size(), triangle_count);
-  for (const std::uint32_t whole : pieces) {
-    if (whole >= whole_count) {
-      throw Flaw{fmt::format("{} {} has a piece of triangle {}, allowed are those before {}", kind,
-                             in_quotes(from.name()->string_view()), whole, whole_count)};
-    }
-  }
-  return {std::make_shared<const std::vector<std::uint32_t>>(std::move(pieces))};
-}
-
 void decode_parts(const format::Scene& from, NameCheck& names, Scene& scene) {
   const std::uint64_t triangle_count = scene.mesh.triangles.size();
   std::uint64_t covered = 0;
@@ -73,7 +51,7 @@ void decode_parts(const format::Scene& from, NameCheck& names, Scene& scene) {
     }
     covered += part.triangle_count();
     scene.parts.push_back({names.take(*part.name()), part.first_triangle(), part.triangle_count(),
-                           filter_of(part.filter()), decode_pieces(part, "part", part.triangle_count())});
+                           filter_of(part.filter()), cut_of(part, "part", part.triangle_count())});
   }
   if (covered != triangle_count) { throw Flaw{fmt::format("parts cover {} of {} triangles", covered, triangle_count)}; }
 }
@@ -85,8 +63,7 @@ CollapseOrder decode_collapses(const format::Scene& from, std::size_t vertex_cou
     throw Flaw{fmt::format("{} numbers of collapses, allowed are twos, at most one for each of {} vertices",
                            numbers->size(), vertex_count)};
   }
-  CollapseOrder order(numbers->size() / 2);
-  if (!order.empty()) std::memcpy(order.data(), numbers->Data(), order.size() * sizeof(EdgeCollapse));
+  CollapseOrder order = format::copied<EdgeCollapse>(numbers);
   if (const std::string flaw = flaw_of(order, vertex_count); !flaw.empty()) throw Flaw{flaw};
   return order;
 }
@@ -129,13 +106,8 @@ Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::ui
       if (object.rotation() != nullptr) { pose.rotation = decoder.rotation(*object.rotation(), "rotation"); }
       Shape shape = decoder.shape(*object.shape());
       const std::size_t triangle_count = shape.mesh ? shape.mesh->triangles.size() : 0;
-      scene.objects.push_back({name,
-                               std::move(shape),
-                               pose,
-                               filter_of(object.filter()),
-                               {},
-                               decode_pieces(object, "object", triangle_count),
-                               i});
+      scene.objects.push_back(
+          {name, std::move(shape), pose, filter_of(object.filter()), {}, cut_of(object, "object", triangle_count), i});
     } catch (const Flaw& flaw) { throw Flaw{fmt::format("object {}: {}", in_quotes(name), flaw.what)}; }
   }
   scene.allowed_pairs = decode_pairs(from, scene.objects.size());
@@ -168,8 +140,8 @@ void check_whole(const format::Scene& root, const std::uint8_t* data, std::size_
 }
 
 Scene decode_scene_bytes(std::span<const std::byte> bytes, std::uint64_t max_triangles) {
-  const AlignedBytes aligned(bytes);
-  const auto* root = verified<format::Scene>(aligned.data(), bytes.size(), format::SceneIdentifier());
+  const format::AlignedBytes aligned(bytes);
+  const auto* root = format::verified<format::Scene>(aligned.data(), bytes.size(), format::SceneIdentifier());
   if (root == nullptr) { throw Flaw{"not a scene file, or a damaged one: its tables do not check out"}; }
   check_whole(*root, aligned.data(), bytes.size());
   return decode_scene(*root, bytes.size(), max_triangles);
@@ -189,8 +161,8 @@ Scene read_scene_file(const Reading& reading) {
 }
 
 void seal_scene(std::span<std::byte> tables) {
-  const AlignedBytes aligned(tables);
-  if (verified<format::Scene>(aligned.data(), tables.size(), format::SceneIdentifier()) == nullptr) return;
+  const format::AlignedBytes aligned(tables);
+  if (format::verified<format::Scene>(aligned.data(), tables.size(), format::SceneIdentifier()) == nullptr) return;
   const std::optional<std::size_t> place = checksum_place(aligned.data());
   if (!place) return;
   const std::uint64_t sum = checksum_of(aligned.data(), tables.size(), *place);
@@ -205,8 +177,8 @@ void save_scene_by(const std::string& name, const Scene& scene, const Put& put) 
   const auto fail = [&](const std::string& what) {
     throw LoadError(fmt::format("{}: {}. Nothing was written.", name, what));
   };
-  if (const std::uint64_t bytes = encoded_bytes(scene); bytes > kMaxBufferBytes) {
-    fail(fmt::format("the scene needs {} bytes, limit {}", bytes, kMaxBufferBytes));
+  if (const std::uint64_t bytes = encoded_bytes(scene); bytes > format::kMaxBufferBytes) {
+    fail(fmt::format("the scene needs {} bytes, limit {}", bytes, format::kMaxBufferBytes));
   }
   SceneEncoder encoder(encoded_bytes(scene));
   encoder.scene(scene);
@@ -236,8 +208,8 @@ DecodedShape decode_shape(std::span<const std::byte> bytes, const ShapeLimits& l
   if (bytes.size() > limits.max_bytes) {
     return {.shape = std::nullopt, .refusal = fmt::format("{} bytes, limit {}", bytes.size(), limits.max_bytes)};
   }
-  const AlignedBytes aligned(std::as_bytes(std::span(bytes)));
-  const auto* root = verified<format::Shape>(aligned.data(), bytes.size(), nullptr);
+  const format::AlignedBytes aligned(std::as_bytes(std::span(bytes)));
+  const auto* root = format::verified<format::Shape>(aligned.data(), bytes.size(), nullptr);
   if (root == nullptr) {
     return {.shape = std::nullopt, .refusal = "not a shape, or a damaged one: its tables do not check out"};
   }

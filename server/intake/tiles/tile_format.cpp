@@ -10,12 +10,12 @@
 #include <string_view>
 #include <unordered_set>
 
+#include "idl/scene_tables.hpp"
 #include "idl/tiles_generated.h"
 #include "server/intake/readers/names.hpp"
 #include "server/intake/readers/reading.hpp"
 #include "server/intake/scene_file/scene_decoder.hpp"
 #include "server/intake/scene_file/scene_encoder.hpp"
-#include "server/intake/scene_file/verified.hpp"
 
 namespace collided::engine {
 namespace {
@@ -77,12 +77,6 @@ void check_ascending(std::span<const std::uint32_t> numbers, std::uint64_t limit
   }
 }
 
-std::vector<std::uint32_t> numbers_of(const flatbuffers::Vector<std::uint32_t>& from) {
-  std::vector<std::uint32_t> numbers(from.size());
-  if (!numbers.empty()) std::memcpy(numbers.data(), from.Data(), numbers.size() * sizeof(std::uint32_t));
-  return numbers;
-}
-
 /// Reads the tables of contents, of which none may grow beyond the bytes that it comes in: tables may share their numbers.
 class TableDecoder {
  public:
@@ -120,32 +114,19 @@ class TableDecoder {
       to.name = named(*part->name(), "part");
       if (!names.insert(to.name).second)
         throw Flaw{fmt::format("two parts have the name {}", in_quotes(std::string_view(to.name)))};
-      if (part->filter() != nullptr)
-        to.filter = {part->filter()->layers(), part->filter()->mask(), part->filter()->group()};
+      to.filter = filter_of(part->filter());
       to.bounds = box_of(*part, "part " + to.name);
       to.first_triangle = static_cast<std::uint32_t>(triangles);
       to.triangle_count = part->triangle_count();
       to.tile_count = part->tile_count();
-      to.cut = cut_of(*part);
+      spend(part->piece_of() == nullptr ? 0 : std::uint64_t{part->piece_of()->size()} * sizeof(std::uint32_t));
+      to.cut = cut_of(*part, "part", to.triangle_count);
       triangles += to.triangle_count;
       if (to.triangle_count == 0 || triangles > table.triangle_count)
         throw Flaw{fmt::format("part {} brings the triangles to {} of {}", to.name, triangles, table.triangle_count)};
     }
     if (triangles != table.triangle_count)
       throw Flaw{fmt::format("parts have {} of {} triangles", triangles, table.triangle_count)};
-  }
-
-  CutTriangles cut_of(const format::TilePart& part) {
-    if (part.piece_of() == nullptr || part.piece_of()->size() == 0) return {};
-    spend(std::uint64_t{part.piece_of()->size()} * sizeof(std::uint32_t));
-    std::vector<std::uint32_t> pieces = numbers_of(*part.piece_of());
-    const std::size_t whole_count = part.triangle_count() - std::min<std::size_t>(pieces.size(), part.triangle_count());
-    for (const std::uint32_t whole : pieces) {
-      if (whole >= whole_count)
-        throw Flaw{fmt::format("part {} has a piece of triangle {}, allowed are those before {}",
-                               in_quotes(part.name()->string_view()), whole, whole_count)};
-    }
-    return {.piece_of = std::make_shared<const std::vector<std::uint32_t>>(std::move(pieces))};
   }
 
   void add_tiles(const format::TileTable& from, std::uint64_t tile_bytes, TileContents& table) {
@@ -163,7 +144,7 @@ class TableDecoder {
                                                          .checksum = tile->checksum(),
                                                          .vertex_count = tile->vertex_count(),
                                                          .triangle_count = tile->triangle_count(),
-                                                         .parts = numbers_of(*tile->parts())});
+                                                         .parts = format::copied<std::uint32_t>(tile->parts())});
       if (to.first_byte < taken_bytes || to.first_byte > tile_bytes || to.byte_count > tile_bytes - to.first_byte)
         throw Flaw{fmt::format("{} is {} bytes from {} on, allowed are those from {} to {}", what, to.byte_count,
                                to.first_byte, taken_bytes, tile_bytes)};
@@ -200,8 +181,8 @@ void check_parts(const TileMesh& mesh, const TileContents& table, const TileEntr
 
 TileMesh checked(const format::TileMesh& from, const TileContents& table, const TileEntry& entry) {
   TileMesh mesh;
-  mesh.vertex_numbers = numbers_of(*from.vertex_numbers());
-  mesh.triangle_numbers = numbers_of(*from.triangle_numbers());
+  mesh.vertex_numbers = format::copied<std::uint32_t>(from.vertex_numbers());
+  mesh.triangle_numbers = format::copied<std::uint32_t>(from.triangle_numbers());
   const std::size_t vertex_count = mesh.vertex_numbers.size();
   const std::size_t triangle_count = mesh.triangle_numbers.size();
   if (vertex_count != entry.vertex_count || triangle_count != entry.triangle_count ||
@@ -209,11 +190,8 @@ TileMesh checked(const format::TileMesh& from, const TileContents& table, const 
     throw Flaw{fmt::format("{} vertices and {} triangles, it should have {} and {}", vertex_count, triangle_count,
                            entry.vertex_count, entry.triangle_count)};
   }
-  mesh.vertices.resize(vertex_count);
-  mesh.corners.resize(triangle_count);
-  if (vertex_count > 0) std::memcpy(mesh.vertices.data()->data(), from.vertices()->Data(), vertex_count * sizeof(Vec3));
-  if (triangle_count > 0)
-    std::memcpy(mesh.corners.data(), from.corners()->Data(), triangle_count * sizeof(TriangleCorners));
+  mesh.vertices = format::copied<Vec3>(from.vertices());
+  mesh.corners = format::copied<TriangleCorners>(from.corners());
   check_ascending(mesh.vertex_numbers, table.vertex_count, "vertex number");
   check_ascending(mesh.triangle_numbers, table.triangle_count, "triangle number");
   for (std::size_t i = 0; i < vertex_count; ++i) {
@@ -248,13 +226,8 @@ std::uint32_t tile_checksum(std::span<const std::byte> bytes) {
 std::vector<std::byte> encode_tile(const TileMesh& tile) {
   flatbuffers::FlatBufferBuilder builder(256 + tile.vertices.size() * (sizeof(Vec3) + sizeof(std::uint32_t)) +
                                          tile.corners.size() * (sizeof(TriangleCorners) + sizeof(std::uint32_t)));
-  double* coordinates = nullptr;
-  const auto vertices = builder.CreateUninitializedVector(3 * tile.vertices.size(), &coordinates);
-  if (!tile.vertices.empty())
-    std::memcpy(coordinates, tile.vertices.data()->data(), tile.vertices.size() * sizeof(Vec3));
-  std::uint32_t* places = nullptr;
-  const auto corners = builder.CreateUninitializedVector(3 * tile.corners.size(), &places);
-  if (!tile.corners.empty()) std::memcpy(places, tile.corners.data(), tile.corners.size() * sizeof(TriangleCorners));
+  const auto vertices = format::write_numbers<double>(builder, tile.vertices);
+  const auto corners = format::write_numbers<std::uint32_t>(builder, tile.corners);
   const auto vertex_numbers = builder.CreateVector(tile.vertex_numbers);
   const auto triangle_numbers = builder.CreateVector(tile.triangle_numbers);
   builder.Finish(format::CreateTileMesh(builder, vertex_numbers, vertices, triangle_numbers, corners));
@@ -270,8 +243,7 @@ std::vector<std::byte> encode_table(const TileContents& table, std::uint64_t fir
     const format::Vec3 high = packed(part.bounds.high);
     const format::Filter filter = packed(part.filter);
     const auto name = builder.CreateString(part.name);
-    const auto pieces = part.cut.piece_of ? builder.CreateVector(*part.cut.piece_of)
-                                          : flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>>{};
+    const auto pieces = part.cut.piece_of ? builder.CreateVector(*part.cut.piece_of) : 0;
     parts.push_back(
         format::CreateTilePart(builder, name, part.triangle_count, part.tile_count, &low, &high, &filter, pieces));
   }
@@ -279,9 +251,8 @@ std::vector<std::byte> encode_table(const TileContents& table, std::uint64_t fir
   for (const TileEntry& tile : table.tiles) {
     const format::Vec3 low = packed(tile.bounds.low);
     const format::Vec3 high = packed(tile.bounds.high);
-    const auto numbers = builder.CreateVector(tile.parts);
-    tiles.push_back(format::CreateTile(builder, &low, &high, tile.first_byte, tile.byte_count, tile.checksum,
-                                       tile.vertex_count, tile.triangle_count, numbers));
+    tiles.push_back(format::CreateTileDirect(builder, &low, &high, tile.first_byte, tile.byte_count, tile.checksum,
+                                             tile.vertex_count, tile.triangle_count, &tile.parts));
   }
   const auto name = builder.CreateString(table.name);
   const auto source = builder.CreateString(table.source);
@@ -300,8 +271,8 @@ std::vector<std::byte> encode_table(const TileContents& table, std::uint64_t fir
 
 TileContents decode_table(std::span<const std::byte> file) {
   const std::span<const std::byte> bytes = table_of(file);
-  const AlignedBytes aligned(bytes);
-  const auto* root = verified<format::TileTable>(aligned.data(), bytes.size(), nullptr);
+  const format::AlignedBytes aligned(bytes);
+  const auto* root = format::verified<format::TileTable>(aligned.data(), bytes.size(), nullptr);
   if (root == nullptr) throw Flaw{"damaged: its table of contents does not check out"};
   return TableDecoder(bytes.size()).decode(*root, static_cast<std::uint64_t>(bytes.data() - file.data()));
 }
@@ -312,8 +283,8 @@ TileMesh decode_tile(std::span<const std::byte> file, const TileContents& table,
   try {
     if (const std::uint32_t sum = tile_checksum(bytes); sum != entry.checksum)
       throw Flaw{fmt::format("its checksum is {:08x}, it should be {:08x}", sum, entry.checksum)};
-    const AlignedBytes aligned(bytes);
-    const auto* root = verified<format::TileMesh>(aligned.data(), bytes.size(), nullptr);
+    const format::AlignedBytes aligned(bytes);
+    const auto* root = format::verified<format::TileMesh>(aligned.data(), bytes.size(), nullptr);
     if (root == nullptr) throw Flaw{"its tables do not check out"};
     return checked(*root, table, entry);
   } catch (const Flaw& flaw) {

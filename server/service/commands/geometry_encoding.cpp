@@ -54,7 +54,7 @@ class ObjectsEncoder {
     for (const Primitive& primitive : info.primitives) {
       if (!std::holds_alternative<Hull>(primitive)) solids.primitives.push_back(primitive);
     }
-    const auto shape = solids.empty() ? flatbuffers::Offset<format::Shape>{} : encoder_.shape(solids);
+    const auto shape = solids.empty() ? 0 : encoder_.shape(solids);
     const auto name = builder.CreateString(info.name);
     const auto scene = builder.CreateString(info.rare->scene);
     const auto run_vector = builder.CreateVectorOfStructs(runs);
@@ -70,9 +70,8 @@ class ObjectsEncoder {
 
   std::string finish() {
     flatbuffers::FlatBufferBuilder& builder = encoder_.builder();
-    const auto objects = builder.CreateVector(objects_);
-    builder.Finish(format::CreateShownObjects(builder, state_.epoch, state_.version, state_.objects.version(),
-                                              state_.world_time_ns, objects));
+    builder.Finish(format::CreateShownObjectsDirect(builder, state_.epoch, state_.version, state_.objects.version(),
+                                                    state_.world_time_ns, &objects_));
     return text_of(builder);
   }
 
@@ -156,16 +155,11 @@ std::string encode_surface(const SurfaceNumbers::Found& surface, std::optional<d
   const std::uint64_t bytes = encoded_bytes(mesh) + (crease_cosine ? 17 * 3 * mesh.triangles.size() / 2 : 0);
   refuse_above_limit(bytes, fmt::format("a surface's {} triangles", mesh.triangles.size()));
   SceneEncoder encoder(bytes + 1024);
-  flatbuffers::FlatBufferBuilder& builder = encoder.builder();
   const auto mesh_table = encoder.mesh(mesh);
-  flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> numbers;
-  flatbuffers::Offset<flatbuffers::Vector<std::uint8_t>> kinds;
-  if (crease_cosine) {
-    const Edges edges = edges_of(surface, *crease_cosine);
-    numbers = builder.CreateVector(edges.numbers);
-    kinds = builder.CreateVector(edges.kinds);
-  }
-  builder.Finish(format::CreateSurface(builder, mesh_table, numbers, kinds));
+  const Edges edges = crease_cosine ? edges_of(surface, *crease_cosine) : Edges{};
+  flatbuffers::FlatBufferBuilder& builder = encoder.builder();
+  builder.Finish(format::CreateSurfaceDirect(builder, mesh_table, crease_cosine ? &edges.numbers : nullptr,
+                                             crease_cosine ? &edges.kinds : nullptr));
   return text_of(builder);
 }
 
@@ -189,11 +183,8 @@ std::string encode_poses(const Snapshot& state) {
     stale.push_back(state.stale[slot_of(id)]);
   }
   flatbuffers::FlatBufferBuilder builder(256 + 80 * ids.size());
-  const auto id_vector = builder.CreateVector(ids);
-  const auto pose_vector = builder.CreateVector(numbers);
-  const auto stale_vector = builder.CreateVector(stale);
-  builder.Finish(format::CreatePoses(builder, state.epoch, state.version, state.objects.version(), state.world_time_ns,
-                                     id_vector, pose_vector, stale_vector));
+  builder.Finish(format::CreatePosesDirect(builder, state.epoch, state.version, state.objects.version(),
+                                           state.world_time_ns, &ids, &numbers, &stale));
   return text_of(builder);
 }
 
