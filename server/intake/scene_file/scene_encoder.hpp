@@ -106,15 +106,7 @@ class SceneEncoder {
   }
 
   /// A shape's primitives by kind. Hulls are in the buffer already.
-  struct Parts {
-    std::vector<format::Sphere> spheres;
-    std::vector<format::Box> boxes;
-    std::vector<format::Mat3> box_axes;
-    std::vector<format::Capsule> capsules;
-    std::vector<format::Cylinder> cylinders;
-    std::vector<format::Cone> cones;
-    std::vector<format::Ellipsoid> ellipsoids;
-    std::vector<format::HalfSpace> half_spaces;
+  struct Parts : format::ShapeT {
     std::vector<flatbuffers::Offset<format::Mesh>> hull_tables;
     bool rotations_suffice = true;  // else boxes need box_axes
   };
