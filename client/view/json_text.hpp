@@ -23,13 +23,15 @@ inline nlohmann::json number(double value) {
 
 inline nlohmann::json numbers(const Vec3& v) { return {number(v.x()), number(v.y()), number(v.z())}; }
 
+inline void append(nlohmann::json& list, double value) { list.push_back(number(value)); }
+
 inline void append(nlohmann::json& list, const Vec3& v) {
-  for (int axis = 0; axis < 3; ++axis) list.push_back(number(v[axis]));
+  for (int axis = 0; axis < 3; ++axis) append(list, v[axis]);
 }
 
 /// The parts in the order w x y z.
 inline void append(nlohmann::json& list, const Quat& q) {
-  for (const double part : {q.w(), q.x(), q.y(), q.z()}) list.push_back(number(part));
+  for (const double part : {q.w(), q.x(), q.y(), q.z()}) append(list, part);
 }
 
 inline double seconds(std::chrono::nanoseconds time) { return static_cast<double>(time.count()) * 1e-9; }

@@ -14,46 +14,26 @@ using nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little, "numbers go out as they lie in memory");
 
-template <class Ends>
-json between_ends(int kind, const Ends& a, const Ends& b, double radius_m) {
-  json part{kind};
-  append(part, a);
-  append(part, b);
-  part.push_back(number(radius_m));
-  return part;
-}
-
-template <class Placed>
-json placed(int kind, const Placed& shape) {
-  json part{kind};
-  append(part, shape.center);
-  append(part, shape.rotation);
-  append(part, shape.half_m);
-  return part;
-}
-
+/// A part as the page reads it: the number of its kind, then its numbers.
 struct PartText {
-  json operator()(const SphereShape& s) const {
-    json part{0};
-    append(part, s.center);
-    part.push_back(number(s.radius_m));
-    return part;
-  }
-  json operator()(const BoxShape& s) const { return placed(1, s); }
-  json operator()(const CapsuleShape& s) const { return between_ends(2, s.a, s.b, s.radius_m); }
-  json operator()(const CylinderShape& s) const { return between_ends(3, s.a, s.b, s.radius_m); }
-  json operator()(const ConeShape& s) const { return between_ends(4, s.apex, s.base, s.radius_m); }
-  json operator()(const EllipsoidShape& s) const { return placed(5, s); }
-  json operator()(const HalfSpaceShape& s) const {
-    json part{6};
-    append(part, s.point);
-    append(part, s.normal);
-    return part;
-  }
+  json operator()(const SphereShape& s) const { return text(0, s.center, s.radius_m); }
+  json operator()(const BoxShape& s) const { return text(1, s.center, s.rotation, s.half_m); }
+  json operator()(const CapsuleShape& s) const { return text(2, s.a, s.b, s.radius_m); }
+  json operator()(const CylinderShape& s) const { return text(3, s.a, s.b, s.radius_m); }
+  json operator()(const ConeShape& s) const { return text(4, s.apex, s.base, s.radius_m); }
+  json operator()(const EllipsoidShape& s) const { return text(5, s.center, s.rotation, s.half_m); }
+  json operator()(const HalfSpaceShape& s) const { return text(6, s.point, s.normal); }
   /// The other kinds come as runs of surfaces, or as several of the parts above.
   template <class Other>
   json operator()(const Other&) const {
     return nullptr;
+  }
+
+  template <class... Values>
+  static json text(int kind, const Values&... values) {
+    json part{kind};
+    (append(part, values), ...);
+    return part;
   }
 };
 

@@ -109,11 +109,6 @@ class SurfaceLines {
   std::vector<std::uint32_t> object_of_;
 };
 
-template <class Part>
-constexpr bool kHasOutline =
-    std::is_same_v<Part, SphereShape> || std::is_same_v<Part, BoxShape> || std::is_same_v<Part, CapsuleShape> ||
-    std::is_same_v<Part, CylinderShape> || std::is_same_v<Part, ConeShape> || std::is_same_v<Part, EllipsoidShape>;
-
 void add_box_corners(const Vec3& center, const Eigen::Matrix3d& half_axes, std::vector<Vec3>& points) {
   for (int i = 0; i < 8; ++i) {
     points.push_back(center + half_axes * Vec3((i & 1) != 0 ? 1 : -1, (i & 2) != 0 ? 1 : -1, (i & 4) != 0 ? 1 : -1));
@@ -155,7 +150,7 @@ std::vector<FeatureLine> feature_lines(const ShownObjects& shown, const Camera& 
     for (const ShapePart& part : shown.objects[i].parts) {
       std::visit(
           [&](const auto& one) {
-            if constexpr (kHasOutline<std::decay_t<decltype(one)>>)
+            if constexpr (requires { add_outline(one, shown.objects[i].pose, camera, i, lines); })
               add_outline(one, shown.objects[i].pose, camera, i, lines);
           },
           part);
