@@ -1,67 +1,56 @@
 #pragma once
 
 #include <cstdint>
-#include <string_view>
-
-#include "idl/topics.hpp"
 
 /// Commands travel as queries of kind `command`: text = {"command": NAME, ...arguments}. The reply's text is the
 /// answer, one JSON object. A refusal has ReplyStatus::refused and the text {"error": MESSAGE, "hint": NEXT_STEP}, the
 /// hint only where there is one. Poses are [x, y, z, qw, qx, qy, qz] in metres; a name may be a glob (* ? [..]) where
-/// that is said. A command that changes the world takes durable (true: it is refused where it would not outlive a crash
-/// of the server), and its answer has not_kept (why it does not) where that is so, and keeps_nothing (true) where the
-/// server has no folder to keep anything in. Before each command below stand its arguments, an arrow, and the members of its answer.
+/// that is said. The answer of a command that changes the world has not_kept (why it would not outlive a crash) where
+/// that is so, and keeps_nothing (true) where the server has no folder to keep anything in. Below stands what each
+/// command answers (->); its arguments and its right are in command_table.hpp.
 namespace collided::wire_contract::command {
 
-/// path or upload (number), name ("" = stem), unit_m, up ("y" or "z"), radius_m, strict, mend, crack_m, srdf, packages ["NAME=DIR"], foreign,
-/// replace (a scene of that name), moving (true: its objects take poses, so that a publisher can claim them), solid (name glob of the parts and objects whose meshes are solid), solid_by ("winding": those that do not close too, by
-/// their winding number), covers [[low 3, high 3 (m, in the world; or "inf", "-inf")]] (where its geometry is
-/// complete)
+/// Loads a file into the world.
 /// -> scene, triangles, parts, objects, seconds, placed [], notes [], mended [], refused [], warnings [], left_out [],
 ///    covers, version.
 /// Replies of status `progress` with {"fraction": f} may come before.
 inline constexpr const char* kLoad = "load";
 
-/// Announces a file that the server cannot read itself. file (its name, with the ending), bytes, checksum (CRC-32 of
-/// all of it) -> upload (number), piece_bytes
+/// Announces a file that the server cannot read itself. -> upload (number), piece_bytes
 inline constexpr const char* kUpload = "upload";
 
-/// upload, first (byte, a multiple of piece_bytes), checksum (CRC-32); the piece is the query's blob. Pieces may come
-/// in any order and more than once. -> missing (number of pieces that have yet to come)
+/// A piece of an announced file is the query's blob. Pieces may come in any order and more than once.
+/// -> missing (number of pieces that have yet to come)
 inline constexpr const char* kPiece = "piece";
 inline constexpr std::uint64_t kUploadPieceBytes = std::uint64_t{256} << 10;
 
-/// scene ("" = all), moving (true: also or, without scene, only moving objects)
 /// -> removed, kept (objects of live publishers, and those that the keys are not for), ended, version
 inline constexpr const char* kClear = "clear";
 
-/// name, pose, layers, mask, group, moving, scale [3], solid (true: its mesh is; refused where that does not close), solid_by
-/// ("winding": not refused then, but solid by its winding number); the
-/// shape is the query's blob -> name, id, version, warning (where the mesh is more than the border of a solid)
+/// The shape is the query's blob.
+/// -> name, id, version, warning (where the mesh is more than the border of a solid)
 inline constexpr const char* kAdd = "add";
 
-/// name, pose, teleport -> name, moved_m, began [names], ended [names], version. Refused for an object of a live
-/// publisher.
+/// -> name, moved_m, began [names], ended [names], version. Refused for an object of a live publisher.
 inline constexpr const char* kMove = "move";
 
-/// name (glob) -> removed [names], detached [names] (what was attached to them and stays; only where there is any), ended, version. Refused for objects of a live publisher.
+/// -> removed [names], detached [names] (what was attached to them and stays; only where there is any), ended, version.
+/// Refused for objects of a live publisher.
 inline constexpr const char* kRemove = "remove";
 
-/// name (glob, "" = all), moving (true / false / absent: both), limit, bounds (true: with them)
 /// -> objects [{name, id, kind, moving, scene, publisher, position, triangles, layers, stale, attached_to (only where it
 /// is), bounds [low, high] (null for a side without end, or in place of both where there is no triangle)}], count, version
 inline constexpr const char* kList = "list";
 
-/// name -> as in list, and mask, group, pose, velocity, shape [{sphere|box|capsule|mesh ...}], bounds [low, high],
+/// -> as in list, and mask, group, pose, velocity, shape [{sphere|box|capsule|mesh ...}], bounds [low, high],
 /// age_ns, contacts [names], in_doubt [names], name_wanted_by [publishers]; the last two only where there are any
 inline constexpr const char* kGet = "get";
 
-/// publisher (its number) -> objects [{name, why}] (at most 20 that it has defined and the world does not have), count (of
-/// all of those), merged (poses replaced by newer ones of the same object while the server had too many), refused (why the
+/// -> objects [{name, why}] (at most 20 that the publisher has defined and the world does not have), count (of all of
+/// those), merged (poses replaced by newer ones of the same object while the server had too many), refused (why the
 /// server takes nothing of this publisher; missing: it does), version
 inline constexpr const char* kLeftOut = "left_out";
 
-/// watch (a number of its own), map (fingerprint of the newest shard map all of whose shards it watches); of a watch of several
 /// -> settled_ns (world time up to which every contact is decided: by the publishers that have objects here; where none has,
 ///    the server's clock), event_sequence (all are told up to this one), epoch; heir_of (whose place it took), told_from
 inline constexpr const char* kSettled = "settled";
@@ -79,9 +68,9 @@ inline constexpr const char* kCovers = "covers";
 /// only with succession). Refused by a server that holds all of its world
 inline constexpr const char* kShard = "shard";
 
-/// What becomes of the shards, told to each of them: revision, phase, from, map; see idl/shards/shard_split.hpp. What has a
-/// revision that is not higher than the last one is refused, and what does not begin with the map that holds here. With
-/// phase `done` a server that is no shard of the next map covers nothing from then on. -> version
+/// What becomes of the shards, told to each of them; see idl/shards/shard_split.hpp. What has a revision that is not
+/// higher than the last one is refused, and what does not begin with the map that holds here. With phase `done` a server
+/// that is no shard of the next map covers nothing from then on. -> version
 inline constexpr const char* kSuccession = "succession";
 
 /// -> every (one answer in so many is worked out again; 0: none), chosen, audited, differing, skipped,
@@ -102,56 +91,45 @@ inline constexpr const char* kAudit = "audit";
 ///    not_built [structure], tiles [{scene, read, of (tiles of its file), triangles (held), triangles_of_file}] (scenes in tiles)
 inline constexpr const char* kFigures = "figures";
 
-/// last (at most 256): the newest steps of the world, the oldest first
+/// The newest steps of the world, the oldest first.
 /// -> steps [{version, world_time_ns, whole_ns, take_ns, update_ns, index_ns, test_ns, events_ns, publish_ns, moved,
 ///    candidates (pairs), exact_tests, contacts, events}]. The stages have clock readings of their own; whole_ns is
 ///    measured apart
 inline constexpr const char* kSteps = "steps";
 
 /// Some of the questions that other clients ask, at most 20 a second: from the first call on they are sampled, and two seconds
-/// after the last one no longer. since (sequence of the last one known; absent: all that are kept, 64)
+/// after the last one no longer.
 /// -> questions [{sequence, kind, ago_ns, answer (hit, miss, undecided, invalid), of a ray origin, direction, length (absent:
 ///    endless), of a sphere center, radius, of a box center, half, orientation (w x y z), of near point, reach (absent:
 ///    endless), of inside point; of the first hit object, distance, error, at, normal}], since (for the next call)
 inline constexpr const char* kSampled = "sampled";
 
-/// name, object, origin, direction (in the object's frame), reach_m (absent: endless), back_m (absent: 0): sets a
-/// probe, in place of one of that name. With remove true: only the name, a glob. -> probes [names], version
+/// Sets a probe, in place of one of that name, or removes probes. -> probes [names], version
 inline constexpr const char* kProbe = "probe";
 
-/// name (glob, "" = all) -> probes [{probe, object, origin, direction, reach_m, back_m, state, clearance, error, met,
-/// triangle, point, normal}], version
+/// -> probes [{probe, object, origin, direction, reach_m, back_m, state, clearance, error, met, triangle, point, normal}],
+/// version
 inline constexpr const char* kProbes = "probes";
 
-/// name, only, skip (name globs of the objects that it looks at), mask (layers, all), tells [enter, exit, cross] (absent:
-/// all), to (object that carries it), keep (true: it stays until it is removed, after a crash too; else it goes with the
-/// client), prism [low, high, x, y, x, y, ...] (m); else the shape is the query's blob. Solid shapes and closed meshes, in
-/// the world or in the frame of `to`
-/// With many (true): the blob has fences one after the other, as in packed_fences.hpp.
-/// With bands [m, widest first; at most 8 with 0, contact, which is added] it is a margin: distance bands about the objects
-/// that `around` (name glob) matches, for those that `only` matches; name, skip, mask, keep as above, hysteresis (m, 0),
-/// dwell_ns (0).
-/// With within (m) it is a question for the nearest of the objects that `only` matches, about the object `to` or about
-/// point [x, y, z], within that distance; hysteresis (m, 0), name, skip, mask, keep as above.
-/// With remove true: only the name, a glob, and margins or nearest (true: of these, not of fences). -> fences [names] (not
-/// of many), count, version, parts (of a margin: parts of loaded scenes that the globs match, which have no bands; absent: none)
+/// Adds or removes fences, margins and questions for the nearest. The shape of a fence is a prism or the query's blob:
+/// solid shapes and closed meshes, in the world or in the frame of the object that carries it. A margin is distance bands
+/// about objects.
+/// -> fences [names] (not of many), count, version, parts (of a margin: parts of loaded scenes that the globs match, which
+/// have no bands; absent: none)
 inline constexpr const char* kFence = "fence";
 /// Text of a reply that answers no request (its number is 0): the client has gone, and with it the fences, margins and
 /// questions for the nearest that it had added without `keep`. Nobody waits for it; recordings have it.
 inline constexpr const char* kClientGone = R"({"gone":true})";
 
-/// name (glob, "" = all), limit, margins (true: these, in place of fences), nearest (true: the questions for the nearest,
-/// in place of fences: -> nearest [{nearest, to, point, only, skip, mask, within, hysteresis, keep, object ("": none),
-/// since_ns, in_doubt, cut_short (searches that ended at their limit of looks)}], count, version), bands (true: the bands of margins as well, each
-/// a fence with margin, within, around, hysteresis, dwell_ns and the object in `to`), outlines (true: lines [[x, y, z, ...]], what a picture shows
-/// of each, in its frame; then at most 1,000) -> margins [{margin, around, only, skip, mask,
-/// bands, hysteresis, dwell_ns, keep, pairs [{object, around, within, in_doubt}]}] or fences [{fence, id, kind, to, only, skip, mask, tells, keep, inside [names],
-/// in_doubt [names]}], count, bytes (of memory for all), version
+/// -> fences [{fence, id, kind, to, only, skip, mask, tells, keep, inside [names], in_doubt [names]}], count, bytes (of
+/// memory for all), version. Of a band also margin, within, around, hysteresis, dwell_ns and the object in `to`; with
+/// outlines also lines [[x, y, z, ...]], what a picture shows of each, in its frame
+/// With margins -> margins [{margin, around, only, skip, mask, bands, hysteresis, dwell_ns, keep, pairs [{object, around,
+/// within, in_doubt}]}], count, version
+/// With nearest -> nearest [{nearest, to, point, only, skip, mask, within, hysteresis, keep, object ("": none), since_ns,
+/// in_doubt, cut_short (searches that ended at their limit of looks)}], count, version
 inline constexpr const char* kFences = "fences";
 
-/// a, b (names), certificate, triangles, most (triangle pairs reported; 10,000), as_of (as in instant.hpp; absent:
-/// latest), opinion ("fcl": that library is asked too, in a process of its own; absent: it is not), deadline_ns (from
-/// when the server takes the command; the answer is then undecided and late; absent: none)
 /// -> answer (hit, miss, undecided), version, stale (true: one of the two is where a lost publisher said last; absent:
 ///    neither), late (true: the deadline was over, and nothing else is told), and
 ///    hit:  depth, error, normal (from a to b), point, a_triangle, b_triangle, manifold [[point 3, depth, bound,
@@ -165,34 +143,22 @@ inline constexpr const char* kFences = "fences";
 inline constexpr const char* kPair = "pair";
 
 /// Why two objects touch or do not, and why events do or do not say so.
-/// a, b (names), last_ns (how far back their paths are looked at; absent: as far as poses are remembered), as_of (as of
-/// pair; their paths then end there), deadline_ns (as of pair)
 /// -> as pair without triangles and certificate, and the members of ExplainedPair
-/// With ray [origin 3, direction 3]: why it meets what it meets. length (m; absent: endless), only, skip, mask (as of a
-/// ray), most (misses told; 3), why_not (name of an object that is told of in any case), as_of, deadline_ns
-/// -> ExplainedRay
-/// With fence: its name. why_not, most (of outside), deadline_ns as above -> ExplainedFence
-/// With nearest: the name of a question for the nearest; likewise -> ExplainedNearest
-/// With event: its sequence, and of ("contacts", "fences"); deadline_ns -> ExplainedEvent
-/// Of the structs idl/answers/explanation.hpp lists the members.
+/// With ray: why it meets what it meets -> ExplainedRay. With fence, nearest or event: ExplainedFence, ExplainedNearest,
+/// ExplainedEvent. Of the structs idl/answers/explanation.hpp lists the members.
 inline constexpr const char* kExplain = "explain";
 
 /// Rules of which pairs may touch: their contacts are none, and end with reason `allowed`. The last rule that fits a pair
-/// decides, at most 64. a, b (globs), because (text) -> rules (how many there are), a_count, b_count (objects that match),
-/// ended, version
+/// decides, at most 64. -> rules (how many there are), a_count, b_count (objects that match), ended, version
 inline constexpr const char* kAllow = "allow";
-/// a, b (globs): takes back the rule of these two, and what other rules allow of them
+/// Takes back the rule of these two, and what other rules allow of them.
 /// -> rules, a_count, b_count, began, version
 inline constexpr const char* kDeny = "deny";
 /// -> rules [{a, b, because, allows (false: of deny)}] in their order, version
 inline constexpr const char* kAllowed = "allowed";
 
 /// The nearest pairs of two groups, each object of one with each of the other. A group is named by an object, a scene
-/// (all that was loaded with it) or a glob. from, to ("": all that `from` has not), skip (glob; left out of both), most
-/// (pairs told; 1, at most 10,000, with certificates 1,000), nearer_m (only pairs not surely farther apart; absent:
-/// all), with_filtered (true: pairs that masks and groups let pass through each other too), certificate, as_of, progress
-/// (true: replies of status `progress` come before, as of load),
-/// deadline_ns (as of pair)
+/// (all that was loaded with it) or a glob.
 /// -> answer (hit: a pair touches; miss; undecided), version, pairs [{a (of from), b, a_id, b_id, answer, clearance (m; negative:
 ///    depth), error, contained ("", "a", "b": which lies within the other, a solid), on_a, on_b, point_error, normal
 ///    (from a to b), a_triangle, b_triangle, stale, certificate or no_certificate as of pair}] least clearance first,
@@ -203,73 +169,49 @@ inline constexpr const char* kAllowed = "allowed";
 inline constexpr const char* kClearance = "clearance";
 
 /// An object that no publisher has moves along with another one, until one of the two is removed or the first is
-/// detached. child, parent, pose (of the child in the parent's frame; absent: as they are) -> child, parent, pose, version
+/// detached. -> child, parent, pose, version
 inline constexpr const char* kAttach = "attach";
-/// child: stays where it is -> child, parent (that it had), version
+/// The child stays where it is. -> child, parent (that it had), version
 inline constexpr const char* kDetach = "detach";
 
-/// show (true: nothing is accepted) -> losses [text] (what had been acknowledged before a crash and is missing),
-/// accepted (the world counts as whole without it from now on)
+/// -> losses [text] (what had been acknowledged before a crash and is missing), accepted (the world counts as whole
+/// without it from now on)
 inline constexpr const char* kAcceptLoss = "accept_loss";
 
-/// A server that stands by takes this one's place, and this one ends. to (name of a member of the fleet; "": any that is
-/// ready) -> to (its name). Refused where none is ready.
+/// A server that stands by takes this one's place, and this one ends. -> to (its name). Refused where none is ready.
 inline constexpr const char* kHandOver = "handover";
 /// What a server that hands over tells those that follow it, on change_v2; no client can send it. to (number of the server
 /// that takes the place), applied [[publisher, sequence_number]] (how far the one that hands over has come)
 inline constexpr const char* kTakeOver = "take_over";
 
-/// The flight recorder. last_s (0: only what publishers and commands have brought into the world, up to now)
+/// The flight recorder.
 /// -> number, bytes, messages, dropped, path (on the server's machine), from_ns, to_ns; the file is an MCAP recording.
-/// number, offset -> up to 1 MiB of that file, as it is and not as JSON. The newest four can be fetched.
+/// With number: up to 1 MiB of that file, as it is and not as JSON. The newest four can be fetched.
 inline constexpr const char* kRecording = "recording";
 
-/// questions (of each kind), seed
 /// -> rows [{kind (a question's, or sweep, pair, mesh pair), method, asked, judged (of those, compared with rationals
 ///    over every part), undecided, wrong (of the judged), worst_error, worst_bound (m, or "inf"), p50_ns, p99_ns}],
-///    seed, version, late (true where the deadline, deadline_ns from when it is taken, ended it before its last
-///    question). Takes seconds. With opinion ("fcl") the rows of pairs asked exactly have opinion {agree, differ,
-///    failed, unsupported} (counts).
-/// Instead of questions and seed: of (ray, sphere, box or near); the questions are the query's blob, little-endian
-/// doubles, of each ray 7 (from, direction, length), sphere 4 (centre, radius), box 10 (centre, half sizes, rotation
-/// w x y z), near 4 (point, reach); a length and a reach may be infinite. At most kMostMenuQuestions.
+///    seed, version, late (true where the deadline ended it before its last question). Takes seconds. With an opinion the
+///    rows of pairs asked exactly have opinion {agree, differ, failed, unsupported} (counts).
+/// With `of` the questions are the query's blob, little-endian doubles, of each ray 7 (from, direction, length), sphere 4
+/// (centre, radius), box 10 (centre, half sizes, rotation w x y z), near 4 (point, reach); a length and a reach may be
+/// infinite. At most kMostMenuQuestions.
 inline constexpr std::uint64_t kMostMenuQuestions = 10'000;
 inline constexpr const char* kMenu = "menu";
 
 /// The commands of viewers. Their answers are no JSON but FlatBuffers of idl/geometry.fbs. All but that of kPoses come
 /// as a Page, the first of as many as the answer needs; kMore asks for the others. An answer above 512 MiB is refused.
-/// only, skip (globs, "" = all, none), mask (layers), moving (true / false / absent: both) -> Page of ShownObjects
 
-/// only, skip (globs, "" = all, none), mask (layers), moving (true / false / absent: both) -> Page of ShownObjects
+/// -> Page of ShownObjects
 inline constexpr const char* kShapes = "shapes";
 
-/// surface (number, as a Run has it), epoch (of that Run), edges (true: with its edges), crease_cosine (0.5; an edge is
-/// a crease beyond this cosine of the angle between its two normals) -> Page of a Surface
+/// -> Page of a Surface
 inline constexpr const char* kSurface = "surface";
 
-/// transfer, first (byte) -> Page. A buffer of which no page is asked for any more is kept for half a minute.
+/// -> Page. A buffer of which no page is asked for any more is kept for half a minute.
 inline constexpr const char* kMore = "more";
 
 /// -> Poses of all moving objects, up to 400,000
 inline constexpr const char* kPoses = "poses";
-
-/// True if answers of the command may be FlatBuffers or pieces of a file, in which brackets mean nothing.
-inline bool may_answer_bytes(std::string_view name) {
-  for (const std::string_view one : {kRecording, kShapes, kSurface, kMore, kPoses})
-    if (name == one) return true;
-  return false;
-}
-
-/// The right that a command needs.
-///
-/// has_upload  its arguments name an upload
-inline QueryRight right_for(std::string_view name, bool has_upload) {
-  if (name == kLeftOut) return QueryRight::greet;  // a publisher asks it about its own
-  if (name == kUpload || name == kPiece || (name == kLoad && has_upload)) return QueryRight::upload;
-  for (const std::string_view change : {kLoad, kClear, kAdd, kMove, kRemove, kProbe, kAllow, kDeny, kAcceptLoss,
-                                        kRecording, kSampled, kFence, kAttach, kDetach, kHandOver, kSuccession})
-    if (name == change) return QueryRight::change;
-  return QueryRight::ask;
-}
 
 }  // namespace collided::wire_contract::command

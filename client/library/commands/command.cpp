@@ -8,7 +8,7 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/replicas.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
-#include "idl/commands.hpp"
+#include "idl/command_table.hpp"
 #include "idl/outside_text.hpp"
 
 namespace collided::client {
@@ -140,7 +140,9 @@ Result<std::string> run_command(Connection& connection, std::string_view name, c
     }
   }
   std::string answer = collector.text();
-  if (!wire_contract::command::may_answer_bytes(name) && wire_contract::nests_too_deep(answer)) {
+  const wire_contract::command::CommandSpec* const spec = wire_contract::command::find_command(name);
+  const bool may_be_bytes = spec != nullptr && spec->answers_bytes;
+  if (!may_be_bytes && wire_contract::nests_too_deep(answer)) {
     return Error{ErrorCode::internal, std::string(name) + ": the server's answer nests too deep to be read", ""};
   }
   return answer;

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 
-#include "idl/commands.hpp"
+#include "idl/command_table.hpp"
 
 namespace collided::client {
 namespace {
@@ -114,17 +114,20 @@ class Sorting {
     if (query_->instant != 0) return;
     const bool command = query_->kind == static_cast<std::uint8_t>(QuestionKind::command);
     const std::string what = command ? word_of(parsed(query_->text), "command") : std::string();
-    if (what == names::kLoad || what == names::kClear) ++run_.changing_files;
+    const names::CommandSpec* const spec = names::find_command(what);
+    const bool changes_files = spec != nullptr && spec->changes == names::Changes::scenes;
+    const bool is_change = spec != nullptr && spec->is_recorded_change() && !changes_files;
+    if (changes_files) ++run_.changing_files;
     const bool is_asked_again = (what == names::kPair || what == names::kClearance) && !run_.items[index].opening &&
                                 word_of(parsed(query_->text), "as_of").empty();
-    if (command && !is_asked_again && !is_change(what)) return;
+    if (command && !is_asked_again && !is_change) return;
     // What the server carried out by itself after a restart has no reply.
     if (query_->client == 0 && !run_.items[index].opening) return note_command(index, following_newest());
     Request& request = requests_[{query_->client, query_->request}];
     request.questions.emplace(query_->chunk_index, index);
     request.chunk_count = query_->chunk_count;
     request.kind = query_->kind;
-    request.changes = is_change(what);
+    request.changes = is_change;
     request.opening = run_.items[index].opening;
     if (request.opening) settle_opening(request);
   }
@@ -136,12 +139,6 @@ class Sorting {
     note_command(index, {0, 0});
     opening_commands_[{query_->client, query_->request}] = index;
     requests_.erase({query_->client, query_->request});
-  }
-
-  static bool is_change(const std::string& what) {
-    return what == names::kAdd || what == names::kMove || what == names::kRemove || what == names::kProbe ||
-           what == names::kAllow || what == names::kDeny || what == names::kAttach || what == names::kDetach ||
-           what == names::kFence;
   }
 
   void note_command(std::size_t index, const StateNumber& state) { run_.commands[state].push_back(index); }

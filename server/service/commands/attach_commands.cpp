@@ -25,7 +25,6 @@ json pose_json(const Pose& pose) {
 }  // namespace
 
 json Commands::attach(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"child", "parent", "pose", "durable"});
   World& world = with_.loop.world();
   const ObjectId child = find_object(arguments.text("child"));
   const ObjectId parent = find_object(arguments.text("parent"));
@@ -78,7 +77,6 @@ void Commands::keep_detached(const std::string& child) {
 }
 
 json Commands::detach(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"child", "durable"});
   World& world = with_.loop.world();
   const ObjectId child = find_object(arguments.text("child"));
   const AttachedObject* attached = world.attachments().find(child);

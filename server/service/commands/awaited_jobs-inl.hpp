@@ -8,13 +8,12 @@
 namespace collided::engine::service {
 
 /// Has a command answered on the thread for pairs, or, where it costs much, on the one for what is costly. The arguments
-/// are checked at once; what they name is looked up in the state of the moment in which the work begins.
+/// are checked before; what they name is looked up in the state of the moment in which the work begins.
 ///
-/// check  throws BadCommand where an argument cannot be
 /// find   what is asked, with its cost; throws BadCommand
 /// work   the answer
-template <class Check, class Asked>
-void Commands::in_turn(CommandAsk ask, const Arguments& arguments, const char* what, const Check& check,
+template <class Asked>
+void Commands::in_turn(CommandAsk ask, const Arguments& arguments, const char* what,
                        Asked (Commands::*find)(const AwaitedJob&) const,
                        nlohmann::json (Commands::*work)(const Asked&) const) {
   const std::uint64_t client = ask.client;
@@ -40,11 +39,8 @@ void Commands::in_turn(CommandAsk ask, const Arguments& arguments, const char* w
     }
     answer(job->ask, [&] { return finished(*job, [&] { return (this->*work)(*asked); }); });
   };
-  try {
-    check(arguments);
-    const auto job = await(std::move(ask), arguments);
-    push_fairly(what, pair_jobs_, {.client = client}, [answer_cheap_or_pass_on, job] { answer_cheap_or_pass_on(job); });
-  } catch (const BadCommand& bad) { refuse(bad.what(), bad.hint); }
+  const auto job = await(std::move(ask), arguments);
+  push_fairly(what, pair_jobs_, {.client = client}, [answer_cheap_or_pass_on, job] { answer_cheap_or_pass_on(job); });
 }
 
 }  // namespace collided::engine::service

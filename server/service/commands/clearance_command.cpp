@@ -44,8 +44,7 @@ json described(const MemberPair& pair, const Snapshot& state, bool with_certific
   return row;
 }
 
-/// As kMaxTrianglePairs bounds the answer to `pair`; a certificate has up to some thousand numbers.
-constexpr std::uint64_t kMostPairs = 10'000;
+/// A certificate has up to some thousand numbers.
 constexpr std::uint64_t kMostCertificates = 1'000;
 
 std::uint64_t parts_of(const Snapshot& state, const std::vector<ObjectId>& ids) {
@@ -61,14 +60,12 @@ std::uint64_t parts_of(const Snapshot& state, const std::vector<ObjectId>& ids) 
 constexpr double kPartsPerCost = 8;
 
 ClearanceAsk clearance_options_of(const Arguments& arguments) {
-  arguments.allow_only(
-      {"from", "to", "skip", "most", "nearer_m", "with_filtered", "certificate", "as_of", "deadline_ns", "progress"});
   ClearanceAsk options;
-  options.certificates = arguments.truth("certificate", false);
-  options.with_filtered = arguments.truth("with_filtered", false);
-  options.most = arguments.whole("most", 1, options.certificates ? kMostCertificates : kMostPairs);
+  options.certificates = arguments.truth("certificate");
+  options.with_filtered = arguments.truth("with_filtered");
+  options.most = options.certificates ? arguments.whole("most", kMostCertificates) : arguments.whole("most");
   if (options.most == 0) throw BadCommand("clearance: 'most' is 0; allowed 1 and more");
-  options.within_m = arguments.number("nearer_m", options.within_m);
+  options.within_m = arguments.number("nearer_m");
   if (options.within_m < 0)
     throw BadCommand(fmt::format("clearance: 'nearer_m' is {}; allowed 0 and more", options.within_m));
   return options;
@@ -92,7 +89,7 @@ Commands::AskedGroups Commands::asked_groups(const AwaitedJob& job) const {
   asked.past = past_state(arguments, *asked.newest);
   asked.options.deadline_ns = job.deadline_ns;
   asked.options.called_off = &job.called_off;
-  if (arguments.truth("progress", false)) {
+  if (arguments.truth("progress")) {
     asked.options.progress = [this, whose = CommandAsk{job.ask.client, job.ask.request, {}, {}}](double fraction) {
       answering_->send_text(whose.client, whose.request, ReplyStatus::progress,
                             fmt::format("{{\"fraction\": {:.4f}}}", fraction));
@@ -135,8 +132,8 @@ json Commands::measured(const AskedGroups& asked) const {
 }
 
 void Commands::clearance_later(CommandAsk ask, const Arguments& arguments) {
-  const auto check = [](const Arguments& given) { static_cast<void>(clearance_options_of(given)); };
-  in_turn(std::move(ask), arguments, "clearance", check, &Commands::asked_groups, &Commands::measured);
+  static_cast<void>(clearance_options_of(arguments));  // a wrong one is refused at once
+  in_turn(std::move(ask), arguments, "clearance", &Commands::asked_groups, &Commands::measured);
 }
 
 }  // namespace collided::engine::service

@@ -1,13 +1,15 @@
 #pragma once
 
 #include <cstdint>
-#include <initializer_list>
+#include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <span>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "idl/command_table.hpp"
 #include "server/geometry/aabb.hpp"
 #include "server/geometry/pose.hpp"
 
@@ -20,34 +22,43 @@ struct BadCommand : std::runtime_error {
   std::string hint;
 };
 
-/// The arguments of a command, each checked when it is read. Every function throws BadCommand where the argument is
+/// The arguments of a command, each checked when it is read: by its specification in idl/command_table.hpp, which has the
+/// value of one that is absent and the largest whole number. Every function throws BadCommand where the argument is
 /// there but not of the wanted kind; null counts as absent.
 class Arguments {
  public:
   /// text  a JSON object with the name of the command under "command"
   explicit Arguments(const std::string& text);
+  /// Arguments of the command specified, whatever name the text has.
+  Arguments(const std::string& text, const wire_contract::command::CommandSpec& spec);
 
   const std::string& command() const { return command_; }
+  /// null: there is no command of that name.
+  const wire_contract::command::CommandSpec* spec() const { return spec_; }
   /// Whether the client wants it refused where it would not outlive a crash.
   bool is_durable() const { return is_durable_; }
   /// `solid_by` is "winding"; throws BadCommand for another word.
   bool is_solid_by_winding() const;
-  /// Refuses every argument that is not among these: a misspelt one must not be ignored.
-  void allow_only(std::initializer_list<const char*> names) const;
+  /// Refuses every argument that the command does not take: a misspelt one must not be ignored.
+  void refuse_unknown() const;
 
   /// Whether there is such an argument.
   bool has(const char* name) const;
   /// Three numbers, which may be of any size; nothing where there is no such argument.
   std::optional<Vec3> vector(const char* name) const;
-  /// A text; `otherwise` where there is no such argument, here and below.
+  /// A text; `otherwise` where there is no such argument.
   std::string text(const char* name, const std::string& otherwise = {}) const;
   /// At most 1,000 texts; empty where there is no such argument.
   std::vector<std::string> texts(const char* name) const;
-  bool truth(const char* name, bool otherwise) const;
+  bool truth(const char* name) const;
+  /// Nothing where there is no such argument.
+  std::optional<bool> truth_if_given(const char* name) const;
   /// A finite number.
-  double number(const char* name, double otherwise) const;
-  /// A whole number from 0 to `most`.
-  std::uint64_t whole(const char* name, std::uint64_t otherwise, std::uint64_t most) const;
+  double number(const char* name) const;
+  /// A whole number from 0 to the largest of its specification, or to `most` if that is less.
+  std::uint64_t whole(const char* name, std::uint64_t most = std::numeric_limits<std::uint64_t>::max()) const;
+  /// One whose specification allows no more than 32 bits.
+  std::uint32_t whole_32(const char* name) const { return static_cast<std::uint32_t>(whole(name)); }
   /// A list of finite numbers; empty where there is no such argument.
   std::vector<double> numbers(const char* name) const;
   /// [x, y, z, qw, qx, qy, qz], checked as checked_pose() does; nothing where there is no such argument.
@@ -57,11 +68,16 @@ class Arguments {
   std::vector<Aabb> boxes(const char* name) const;
 
  private:
+  const wire_contract::command::ArgumentSpec* specified(const char* name) const;
   const nlohmann::json* find(const char* name) const;
+  const nlohmann::json* find(const char* name, wire_contract::command::ArgumentType type) const;
   [[noreturn]] void refuse(const char* name, const std::string& allowed) const;
+  void take_form();
 
   nlohmann::json arguments_;
   std::string command_;
+  const wire_contract::command::CommandSpec* spec_ = nullptr;
+  std::span<const wire_contract::command::ArgumentSpec> known_;  // of the form that the text has
   bool is_durable_ = false;
 };
 

@@ -15,9 +15,10 @@
 #include <string>
 #include <string_view>
 #include <thread>
+#include <vector>
 
 #include "idl/shards/shard_split.hpp"
-#include "server/service/commands/command_arguments.hpp"
+#include "server/service/commands/bound_command.hpp"
 #include "server/service/commands/geometry_service.hpp"
 #include "server/service/commands/scene_loading.hpp"
 #include "server/service/commands/shard_place.hpp"
@@ -98,7 +99,6 @@ class Commands {
   static constexpr std::size_t kMostSlowJobs = 4;    // waiting
   static constexpr std::size_t kMostPairJobs = 128;  // waiting, half of them at most by one client alone
   static constexpr std::size_t kMostRecordings = 4;  // files kept to be fetched
-  using Change = nlohmann::json (Commands::*)(const CommandAsk&, const Arguments&);
   /// A `load` command, parsed.
   struct Load {
     CommandAsk ask;
@@ -111,34 +111,45 @@ class Commands {
     std::optional<std::uint32_t> checksum;  // CRC-32 of the file; nothing: whatever it holds is taken
   };
 
-  static Change change_of(std::string_view command);
   void answer_followed(wire_contract::ReplyStatus status, const std::string& text);
   void tell_followers(const CommandAsk& ask) const;
   std::string why_not_allowed(const CommandAsk& ask, const Arguments& arguments) const;
+  const BoundCommand& handler_of(const Arguments& arguments) const;
   void send(const CommandAsk& ask, wire_contract::ReplyStatus status, std::string text);
-  void answer_text(const CommandAsk& ask, const std::function<std::string()>& work);
   void answer(const CommandAsk& ask, const std::function<nlohmann::json()>& work);
   void answer_once_kept(const CommandAsk& ask, const std::function<nlohmann::json()>& work, bool is_durable = false);
   void once_there_is_room(const CommandAsk& ask, bool is_durable, std::function<void()> go_on);
-  void on_world_thread(CommandAsk ask, Change change, bool is_durable);
+  void queue_for_world(CommandAsk ask, const BoundCommand& handler, const Arguments& arguments);
   void drop_uploads();
   void forget_upload(const std::string& path);
   void replay_on_world_thread(const std::vector<CommandAsk>& asks);
+  bool is_removed_already(const Arguments& arguments) const;
+
+  // The commands of each family, in the file that has their handlers.
+  std::vector<BoundCommand> object_commands();
+  std::vector<BoundCommand> scene_commands();
+  std::vector<BoundCommand> rule_commands();
+  std::vector<BoundCommand> probe_commands();
+  std::vector<BoundCommand> fence_commands();
+  std::vector<BoundCommand> measuring_commands();
+  std::vector<BoundCommand> shard_commands();
+  std::vector<BoundCommand> server_commands();
 
   // On the thread that asks.
   nlohmann::json list(const Arguments& arguments) const;
-  nlohmann::json plan(const Arguments& arguments) const;
-  nlohmann::json covers(const Arguments& arguments) const;
-  nlohmann::json shard(const Arguments& arguments);
+  nlohmann::json plan() const;
+  nlohmann::json covers() const;
+  nlohmann::json shard();
   static nlohmann::json covers_json(const std::vector<Aabb>& boxes);
-  nlohmann::json allowed(const Arguments& arguments) const;
-  nlohmann::json audit(const Arguments& arguments) const;
-  nlohmann::json figures(const Arguments& arguments) const;
+  nlohmann::json allowed() const;
+  nlohmann::json audit() const;
+  nlohmann::json figures() const;
+  nlohmann::json hand_over(const Arguments& arguments) const;
   nlohmann::json steps(const Arguments& arguments) const;
   nlohmann::json sampled(const CommandAsk& ask, const Arguments& arguments);
   // On the world's thread.
-  nlohmann::json get(const CommandAsk& ask, const Arguments& arguments);
-  nlohmann::json left_out(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json get(const Arguments& arguments);
+  nlohmann::json left_out(const Arguments& arguments);
   nlohmann::json settled(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json succession(const CommandAsk& ask, const Arguments& arguments);
   void succeed(shards::MapSuccession next);
@@ -147,10 +158,10 @@ class Commands {
   nlohmann::json remove(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json clear(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json probe(const CommandAsk& ask, const Arguments& arguments);
-  nlohmann::json probes(const CommandAsk& ask, const Arguments& arguments);
-  nlohmann::json accept_loss(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json probes(const Arguments& arguments);
+  nlohmann::json accept_loss(const Arguments& arguments);
   nlohmann::json fence(const CommandAsk& ask, const Arguments& arguments);
-  nlohmann::json fences(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json fences(const Arguments& arguments);
   void add_fence(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json remove_fences(const CommandAsk& ask, const Arguments& arguments);
   void remove_fences(const std::vector<std::string>& chosen);
@@ -164,8 +175,8 @@ class Commands {
   void for_each_margin(const std::string& glob, FunctionRef<void(const FenceDefinition& margin)> visit) const;
   nlohmann::json margins(const Arguments& arguments);
   nlohmann::json nearest(const Arguments& arguments);
-  nlohmann::json allow(const CommandAsk& ask, const Arguments& arguments);
-  nlohmann::json deny(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json allow(const Arguments& arguments);
+  nlohmann::json deny(const Arguments& arguments);
   nlohmann::json attach(const CommandAsk& ask, const Arguments& arguments);
   nlohmann::json detach(const CommandAsk& ask, const Arguments& arguments);
   void keep_detached(const std::string& child);
@@ -256,8 +267,8 @@ class Commands {
   static constexpr double kCheapCost = 4'000;
   /// Certificates and lists of triangles take this many times longer.
   static constexpr double kDetailCost = 8;
-  template <class Check, class Asked>
-  void in_turn(CommandAsk ask, const Arguments& arguments, const char* what, const Check& check,
+  template <class Asked>
+  void in_turn(CommandAsk ask, const Arguments& arguments, const char* what,
                Asked (Commands::*find)(const AwaitedJob&) const, nlohmann::json (Commands::*work)(const Asked&) const);
   void pair_later(CommandAsk ask, const Arguments& arguments);
   AskedPair asked_pair(const AwaitedJob& job) const;
@@ -267,7 +278,7 @@ class Commands {
   nlohmann::json explained(const AskedPair& asked) const;
   AskedRay asked_ray(const AwaitedJob& job) const;
   nlohmann::json explained_ray(const AskedRay& asked) const;
-  void explain_fence_later(CommandAsk ask, const Arguments& arguments);
+  void explain_fence_later(CommandAsk ask);
   void explain_fence_of(const CommandAsk& ask);
   nlohmann::json explained_fence(const FenceLook& look, const AwaitedJob& job) const;
   AskedEvent asked_event(const AwaitedJob& job) const;
@@ -283,6 +294,7 @@ class Commands {
   void forget_recordings();
 
   Collaborators with_;
+  std::map<std::string_view, BoundCommand> handlers_;
   Answering* answering_ = nullptr;
   const std::int64_t started_ns_ = steady_ns();
   std::mutex recordings_mutex_;

@@ -30,8 +30,6 @@ constexpr double kFenceCost = 10'000;
 /// Two states of the past, and two reports on the pair.
 constexpr double kEventCostPerObject = 1.0 / 50;
 constexpr double kEventCost = 100;
-/// Misses of a ray, or objects outside of a fence.
-constexpr std::uint64_t kMostOthers = 1'000;
 constexpr std::size_t kLastEvents = 10;
 
 ExplainedApproach told_approach(const NearestApproach& nearest) {
@@ -61,7 +59,7 @@ std::array<double, kRayNumbers> ray_numbers(const Arguments& arguments) {
   if (list.size() != 6) throw BadCommand(fmt::format("explain: 'ray' has {} numbers; 6 are needed", list.size()));
   std::array<double, kRayNumbers> numbers{};
   std::copy(list.begin(), list.end(), numbers.begin());
-  numbers[6] = arguments.number("length", std::numeric_limits<double>::infinity());
+  numbers[6] = arguments.number("length");
   if (!is_question(QuestionKind::ray, numbers.data()))
     throw BadCommand("explain: the ray's direction is 0 0 0 or its length below 0");
   return numbers;
@@ -108,22 +106,13 @@ ExplainedNearest as_nearest(ExplainedFence told, const FenceLook& look) {
 /// What it is about is said by the argument that there is: a ray, a fence, a question for the nearest, an event, or the two of
 /// a pair.
 void Commands::explain_later(CommandAsk ask, const Arguments& arguments) {
-  if (arguments.has("fence") || arguments.has("nearest")) return explain_fence_later(std::move(ask), arguments);
-  if (arguments.has("ray")) {
-    const auto check = [](const Arguments& given) {
-      given.allow_only({"ray", "length", "only", "skip", "mask", "most", "why_not", "as_of", "deadline_ns"});
-    };
-    return in_turn(std::move(ask), arguments, "explain", check, &Commands::asked_ray, &Commands::explained_ray);
-  }
-  if (arguments.has("event")) {
-    const auto check = [](const Arguments& given) { given.allow_only({"event", "of", "deadline_ns"}); };
-    return in_turn(std::move(ask), arguments, "explain", check, &Commands::asked_event, &Commands::explained_event);
-  }
-  const auto check = [](const Arguments& given) {
-    given.allow_only({"a", "b", "last_ns", "as_of", "deadline_ns"});
-    static_cast<void>(given.whole("last_ns", 0, std::uint64_t{1} << 62));
-  };
-  in_turn(std::move(ask), arguments, "explain", check, &Commands::asked_explanation, &Commands::explained);
+  if (arguments.has("fence") || arguments.has("nearest")) return explain_fence_later(std::move(ask));
+  if (arguments.has("ray"))
+    return in_turn(std::move(ask), arguments, "explain", &Commands::asked_ray, &Commands::explained_ray);
+  if (arguments.has("event"))
+    return in_turn(std::move(ask), arguments, "explain", &Commands::asked_event, &Commands::explained_event);
+  static_cast<void>(arguments.whole("last_ns"));  // a wrong one is refused at once
+  in_turn(std::move(ask), arguments, "explain", &Commands::asked_explanation, &Commands::explained);
 }
 
 // ---- two objects ---------------------------------------------------------------------------------------------------
@@ -131,7 +120,7 @@ void Commands::explain_later(CommandAsk ask, const Arguments& arguments) {
 Commands::AskedPair Commands::asked_explanation(const AwaitedJob& job) const {
   AskedPair asked = asked_pair(job);
   const Arguments arguments(job.ask.text);
-  const std::uint64_t last_ns = arguments.whole("last_ns", 0, std::uint64_t{1} << 62);
+  const std::uint64_t last_ns = arguments.whole("last_ns");
   asked.since_ns = last_ns == 0 ? std::numeric_limits<std::int64_t>::min()
                                 : asked.state().world_time_ns - static_cast<std::int64_t>(last_ns);
   asked.cost *= kLooksAtAll;
@@ -164,15 +153,14 @@ json Commands::explained(const AskedPair& asked) const {
 /// Finds what the command names; throws BadCommand.
 Commands::AskedRay Commands::asked_ray(const AwaitedJob& job) const {
   if (stopping_.load()) throw BadCommand("the server is stopping");
-  constexpr std::uint64_t kBits = 0xffffffff;
   const Arguments arguments(job.ask.text);
   AskedRay asked{.newest = with_.loop.world().newest(), .past = nullptr};
   asked.past = past_state(arguments, *asked.newest);
   asked.options.numbers = ray_numbers(arguments);
-  asked.options.mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits));
+  asked.options.mask = arguments.whole_32("mask");
   asked.options.only = arguments.text("only");
   asked.options.skip = arguments.text("skip");
-  asked.options.most_misses = arguments.whole("most", 3, kMostOthers);
+  asked.options.most_misses = arguments.whole("most");
   if (const std::string name = arguments.text("why_not"); !name.empty())
     asked.options.why_not = find_shown(asked.state(), name);
   asked.deadline_ns = job.deadline_ns;
@@ -190,10 +178,7 @@ json Commands::explained_ray(const AskedRay& asked) const {
 // ---- a fence, and the nearest --------------------------------------------------------------------------------------
 
 /// The world's thread says who is in the fence; how far in is worked out on the thread for costly pairs.
-void Commands::explain_fence_later(CommandAsk ask, const Arguments& arguments) {
-  try {
-    arguments.allow_only({arguments.has("fence") ? "fence" : "nearest", "why_not", "most", "deadline_ns"});
-  } catch (const BadCommand& bad) { return send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }
+void Commands::explain_fence_later(CommandAsk ask) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
   if (!with_.inbox.push_job([this, shared] { explain_fence_of(*shared); }))
     send(*shared, ReplyStatus::refused, refusal_text("too many commands wait already", "ask again"));
@@ -223,7 +208,7 @@ json Commands::explained_fence(const FenceLook& look, const AwaitedJob& job) con
   if (stopping_.load()) throw BadCommand("the server is stopping");
   const Arguments arguments(job.ask.text);
   const SnapshotRing::Lease state = with_.loop.world().newest();
-  FenceExplanationAsk ask{.most_outside = arguments.whole("most", 3, kMostOthers)};
+  FenceExplanationAsk ask{.most_outside = arguments.whole("most")};
   if (const std::string name = arguments.text("why_not"); !name.empty()) ask.why_not = find_shown(*state, name);
   Deadline deadline(job.deadline_ns, &job.called_off);
   ExplainedFence told = explain_fence(*state, look, ask, with_.part_meshes, deadline);
@@ -244,7 +229,7 @@ Commands::AskedEvent Commands::asked_event(const AwaitedJob& job) const {
     throw BadCommand(fmt::format("explain: 'of' is {}; allowed: contacts, fences", printable(of)));
   const bool is_of_fence = of == "fences";
   const RecentEvents& events = with_.loop.recent_events(is_of_fence ? BroadcastOf::fences : BroadcastOf::contacts);
-  const std::uint64_t sequence = arguments.whole("event", 0, ~std::uint64_t{0});
+  const std::uint64_t sequence = arguments.whole("event");
   std::optional<RecentEvent> recent = events.find(sequence);
   if (!recent) {
     const RecentEvents::SequenceSpan span = events.span();

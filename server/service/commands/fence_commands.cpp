@@ -25,8 +25,6 @@ namespace names = wire_contract::command;
 
 namespace {
 
-constexpr std::uint64_t kMostDwellAsked = std::uint64_t{1} << 62;  // nanoseconds; the world allows less
-
 constexpr std::array<std::pair<const char*, FenceTells>, 3> kTold{
     {{"enter", kEnter}, {"exit", kExit}, {"cross", kCross}}};
 
@@ -89,17 +87,14 @@ Shape prism_of(const Arguments& arguments) {
 }
 
 FenceDefinition margin_of(const Arguments& arguments) {
-  constexpr std::uint64_t kBits = 0xffffffff;
-  arguments.allow_only(
-      {"name", "around", "only", "skip", "mask", "bands", "hysteresis", "dwell_ns", "keep", "durable"});
   FenceDefinition margin{.name = arguments.text("name"),
                          .only = arguments.text("only"),
                          .skip = arguments.text("skip"),
-                         .mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits)),
+                         .mask = arguments.whole_32("mask"),
                          .margin = MarginBands{.around = arguments.text("around"),
                                                .bands_m = arguments.numbers("bands"),
-                                               .hysteresis_m = arguments.number("hysteresis", 0)}};
-  margin.margin->dwell_ns = static_cast<std::int64_t>(arguments.whole("dwell_ns", 0, kMostDwellAsked));
+                                               .hysteresis_m = arguments.number("hysteresis")}};
+  margin.margin->dwell_ns = static_cast<std::int64_t>(arguments.whole("dwell_ns"));
   if (!is_good_name(margin.name))
     throw BadCommand(
         fmt::format("margin: the name {} is empty, longer than 255 bytes or not text", printable(margin.name)));
@@ -112,15 +107,13 @@ FenceDefinition margin_of(const Arguments& arguments) {
 }
 
 FenceDefinition fence_of(const Arguments& arguments, std::span<const std::byte> shape_bytes) {
-  constexpr std::uint64_t kBits = 0xffffffff;
   if (arguments.has("bands")) return margin_of(arguments);
   if (arguments.has("within")) return nearest_of(arguments);
-  arguments.allow_only({"name", "only", "skip", "mask", "tells", "to", "prism", "keep", "durable"});
   FenceDefinition fence{.name = arguments.text("name"),
                         .carrier = arguments.text("to"),
                         .only = arguments.text("only"),
                         .skip = arguments.text("skip"),
-                        .mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits)),
+                        .mask = arguments.whole_32("mask"),
                         .tells = tells_of(arguments)};
   if (!is_good_name(fence.name))
     throw BadCommand(
@@ -168,11 +161,15 @@ std::uint64_t matching_parts(const FenceDefinition& margin, const Snapshot& stat
 
 }  // namespace
 
+std::vector<BoundCommand> Commands::fence_commands() {
+  return {on_world_thread(names::kFence, this, &Commands::fence),
+          on_world_thread(names::kFences, this, &Commands::fences)};
+}
+
 json Commands::fence(const CommandAsk& ask, const Arguments& arguments) {
-  if (arguments.truth("remove", false)) return remove_fences(ask, arguments);
+  if (arguments.truth("remove")) return remove_fences(ask, arguments);
   std::vector<CommandAsk> asks;
   if (arguments.has("many")) {
-    arguments.allow_only({"many", "durable"});
     asks = split(ask);
   } else {
     asks.push_back(ask);
@@ -181,7 +178,8 @@ json Commands::fence(const CommandAsk& ask, const Arguments& arguments) {
   std::vector<std::string> added;
   try {
     for (const CommandAsk& one : asks) {
-      const Arguments own(one.text);
+      const Arguments own(one.text, names::kPackedFence);
+      own.refuse_unknown();
       add_fence(one, own);
       added.push_back(own.text("name"));
     }
@@ -194,7 +192,7 @@ json Commands::fence(const CommandAsk& ask, const Arguments& arguments) {
   }
   std::vector<std::pair<std::string, CommandAsk>> kept;
   for (std::size_t i = 0; i < asks.size(); ++i) {
-    const bool is_kept = Arguments(asks[i].text).truth("keep", false);
+    const bool is_kept = Arguments(asks[i].text).truth("keep");
     if (!is_kept) fence_owners_.insert(ask.client);
     else kept.emplace_back(added[i], asks[i]);
   }
@@ -215,7 +213,7 @@ json Commands::fence(const CommandAsk& ask, const Arguments& arguments) {
 
 void Commands::add_fence(const CommandAsk& ask, const Arguments& arguments) {
   FenceDefinition definition = fence_of(arguments, ask.blob);
-  if (!arguments.truth("keep", false)) definition.owner = ask.client;
+  if (!arguments.truth("keep")) definition.owner = ask.client;
   if (ask.from.peer && !ask.from.peer->may_name(definition.name))
     throw BadCommand(fmt::format("the keys of '{}' are not for fence {}. Nothing was added", ask.from.peer->name,
                                  printable(definition.name)));
@@ -224,13 +222,12 @@ void Commands::add_fence(const CommandAsk& ask, const Arguments& arguments) {
 }
 
 json Commands::remove_fences(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"name", "remove", "margins", "nearest", "durable"});
   const std::string glob = arguments.text("name");
   std::vector<std::string> chosen;
-  if (arguments.truth("margins", false)) {
+  if (arguments.truth("margins")) {
     for_each_margin(glob, [&](const FenceDefinition& margin) { chosen.push_back(margin.name); });
   } else {
-    const bool is_nearest = arguments.truth("nearest", false);
+    const bool is_nearest = arguments.truth("nearest");
     for_each_standing(glob, [&](const FenceTable& table, std::uint32_t slot) {
       if (table.is_nearest(slot) == is_nearest) chosen.push_back(table.name(slot));
     });
@@ -366,16 +363,14 @@ json Commands::margins(const Arguments& arguments) {
   return {{"margins", rows}, {"count", rows.size()}, {"version", world.newest()->version}};
 }
 
-json Commands::fences(const CommandAsk&, const Arguments& arguments) {
+json Commands::fences(const Arguments& arguments) {
   constexpr std::uint64_t kMostOutlines = 1'000;
-  arguments.allow_only({"name", "limit", "margins", "nearest", "bands", "outlines"});
-  if (arguments.truth("margins", false)) return margins(arguments);
-  if (arguments.truth("nearest", false)) return nearest(arguments);
+  if (arguments.truth("margins")) return margins(arguments);
+  if (arguments.truth("nearest")) return nearest(arguments);
   const World& world = with_.loop.world();
-  const bool with_outlines = arguments.truth("outlines", false);
-  const bool with_bands = arguments.truth("bands", false);
-  const std::uint64_t most = with_outlines ? kMostOutlines : 1'000'000;
-  const std::uint64_t limit = arguments.whole("limit", std::min<std::uint64_t>(10'000, most), most);
+  const bool with_outlines = arguments.truth("outlines");
+  const bool with_bands = arguments.truth("bands");
+  const std::uint64_t limit = with_outlines ? arguments.whole("limit", kMostOutlines) : arguments.whole("limit");
   std::map<ObjectId, json> inside;
   std::map<ObjectId, json> in_doubt;
   if (world.fences() != nullptr) {

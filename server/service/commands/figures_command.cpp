@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "server/service/commands/commands.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/world/query/plan.hpp"
@@ -5,6 +7,7 @@
 namespace collided::engine::service {
 
 using nlohmann::json;
+namespace names = wire_contract::command;
 
 namespace {
 
@@ -53,9 +56,70 @@ json questions(const QuestionCounts& counts) {
 
 }  // namespace
 
+std::vector<BoundCommand> Commands::server_commands() {
+  return {on_asking_thread(names::kPlan, this, &Commands::plan),
+          on_asking_thread(names::kCovers, this, &Commands::covers),
+          on_asking_thread(names::kFigures, this, &Commands::figures),
+          on_asking_thread(names::kSteps, this, &Commands::steps),
+          on_asking_thread(names::kSampled, this, &Commands::sampled),
+          on_asking_thread(names::kAudit, this, &Commands::audit),
+          on_world_thread(names::kAcceptLoss, this, &Commands::accept_loss),
+          handed_on(names::kRecording, this, &Commands::recording_later)};
+}
+
+/// Which structures the server builds for this world, and which it leaves out and why.
+json Commands::plan() const {
+  const SnapshotRing::Lease state = with_.loop.world().newest();
+  json structures = json::array();
+  std::vector<PlanRow> rows = plan_of(*state, with_.loop.contacts_wanted());
+  rows.push_back(plan_of_probes(with_.loop.probe_count(), with_.loop.probes_wanted()));
+  if (const std::uint64_t cut_short = with_.loop.sums().fences_cut_short.get(); cut_short > 0)
+    rows.push_back(plan_of_cut_searches(cut_short));
+  if (with_.durable == nullptr) {
+    rows.push_back({.structure = "journal",
+                    .built = false,
+                    .reason = "no folder to keep it in, so what commands do is lost with a crash",
+                    .saves = ""});
+  }
+  for (const PlanRow& row : rows) {
+    structures.push_back(
+        {{"structure", row.structure}, {"built", row.built}, {"why", row.reason}, {"saves", row.saves}});
+  }
+  json pairs = json::array();
+  for (const PairRow& row : pair_table()) pairs.push_back({{"a", row.a}, {"b", row.b}, {"how", row.how}});
+  std::uint64_t bytes = 0;
+  json scenes = json::array();
+  for (const auto& scene : state->scenes) {
+    bytes += scene->bytes();
+    scenes.push_back({{"scene", scene->name}, {"load", json::parse(scene->source, nullptr, false)}});
+    if (scene->tiles) scenes.back()["tiles"] = tiles_json(*scene->tiles);
+    // An uploaded file is the server's own copy, which goes with the scene.
+    if (scenes.back()["load"].is_discarded() || scenes.back()["load"].contains("foreign"))
+      scenes.back()["load"] = nullptr;
+  }
+  return {{"structures", structures}, {"pairs", pairs}, {"scenes", scenes}, {"bytes", bytes}};
+}
+
+json Commands::covers_json(const std::vector<Aabb>& boxes) {
+  json list = json::array();
+  const auto number = [](double x) { return std::isinf(x) ? json(x > 0 ? "inf" : "-inf") : json(x); };
+  for (const Aabb& box : boxes) {
+    json corners = json::array();
+    for (const Vec3* corner : {&box.low, &box.high}) {
+      for (const double x : *corner) corners.push_back(number(x));
+    }
+    list.push_back(std::move(corners));
+  }
+  return list;
+}
+
+json Commands::covers() const {
+  const SnapshotRing::Lease state = with_.loop.world().newest();
+  return {{"covers", state->covers ? covers_json(*state->covers) : json(nullptr)}, {"version", state->version}};
+}
+
 /// The counts since the start, as idl/commands.hpp lists them under `figures`.
-json Commands::figures(const Arguments& arguments) const {
-  arguments.allow_only({});
+json Commands::figures() const {
   const StepSums& sums = with_.loop.sums();
   const SnapshotRing::Lease state = with_.loop.world().newest();
   json clocks = json::array();
@@ -110,8 +174,7 @@ json Commands::figures(const Arguments& arguments) const {
 
 /// The newest steps, stage by stage, as idl/commands.hpp lists them under `steps`.
 json Commands::steps(const Arguments& arguments) const {
-  arguments.allow_only({"last"});
-  const std::uint64_t last = arguments.whole("last", StepTraces::kMost, StepTraces::kMost);
+  const std::uint64_t last = arguments.whole("last");
   json rows = json::array();
   for (const StepTrace& trace : with_.loop.traces().newest(last)) {
     rows.push_back({{"version", trace.version},

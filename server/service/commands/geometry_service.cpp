@@ -14,7 +14,7 @@ using wire_contract::ReplyStatus;
 GeometryService::GeometryService(const World& world, Send send)
     : world_(world), send_(std::move(send)), jobs_(kMostJobs) {
   thread_ = named_thread("geometry", [this] {
-    while (std::optional<CommandAsk> ask = jobs_.pop()) answer(*ask);
+    while (std::optional<Job> job = jobs_.pop()) answer(job->ask, job->handler);
   });
 }
 
@@ -24,33 +24,36 @@ void GeometryService::stop() {
   if (thread_.joinable()) thread_.join();
 }
 
-void GeometryService::take(CommandAsk ask) {
-  if (!jobs_.has_room())
-    return send_(ask, ReplyStatus::refused, refusal_text("too many viewers ask for shapes already", "ask again"));
-  jobs_.push(std::move(ask));
+std::vector<BoundCommand> GeometryService::commands() {
+  const auto queued = [this](const char* name, Handler handler) -> BoundCommand {
+    return {.name = name, .hand_on = [this, handler](CommandAsk ask, const Arguments&) {
+              if (!jobs_.has_room()) throw BadCommand("too many viewers ask for shapes already", "ask again");
+              jobs_.push({std::move(ask), handler});
+            }};
+  };
+  return {queued(names::kShapes, &GeometryService::shapes),
+          queued(names::kSurface, &GeometryService::surface),
+          queued(names::kMore, &GeometryService::more),
+          {.name = names::kPoses,
+           .hand_on = [this](const CommandAsk& ask, const Arguments&) { answer(ask, &GeometryService::poses); }}};
 }
 
-void GeometryService::answer(const CommandAsk& ask) {
+void GeometryService::answer(const CommandAsk& ask, Handler handler) {
   try {
     if (stopping_.load()) throw BadCommand("the server is stopping");
-    const Arguments arguments(ask.text);
-    const std::string& command = arguments.command();
-    send_(ask, ReplyStatus::ok,
-          command == names::kShapes    ? shapes(arguments)
-          : command == names::kSurface ? surface(arguments)
-                                       : more(arguments));
+    send_(ask, ReplyStatus::ok, (this->*handler)(Arguments(ask.text)));
   } catch (const BadCommand& bad) {
     send_(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
   } catch (const std::bad_alloc&) { send_(ask, ReplyStatus::refused, refusal_text("not enough memory")); }
 }
 
+std::string GeometryService::poses(const Arguments&) { return encode_poses(*world_.newest()); }
+
 std::string GeometryService::shapes(const Arguments& arguments) {
-  arguments.allow_only({"only", "skip", "mask", "moving"});
   const std::string only = arguments.text("only");
   const std::string skip = arguments.text("skip");
-  const std::uint64_t mask = arguments.whole("mask", 0xffffffff, 0xffffffff);
-  const std::optional<bool> moving =
-      arguments.has("moving") ? std::optional(arguments.truth("moving", false)) : std::nullopt;
+  const std::uint64_t mask = arguments.whole("mask");
+  const std::optional<bool> moving = arguments.truth_if_given("moving");
   const SnapshotRing::Lease state = world_.newest();
   return first_page(encode_objects(
       *state,
@@ -62,22 +65,20 @@ std::string GeometryService::shapes(const Arguments& arguments) {
 }
 
 std::string GeometryService::surface(const Arguments& arguments) {
-  arguments.allow_only({"surface", "epoch", "edges", "crease_cosine"});
-  const double cosine = arguments.number("crease_cosine", 0.5);
+  const double cosine = arguments.number("crease_cosine");
   if (!(cosine >= -1 && cosine <= 1)) throw BadCommand("surface: crease_cosine is out of range; allowed: -1 to 1");
-  const SurfaceNumbers::Found found = numbers_.find(arguments.whole("surface", 0, ~std::uint64_t{0}));
-  const bool is_ours = arguments.whole("epoch", 0, ~std::uint64_t{0}) == world_.newest()->epoch;
+  const SurfaceNumbers::Found found = numbers_.find(arguments.whole("surface"));
+  const bool is_ours = arguments.whole("epoch") == world_.newest()->epoch;
   // An empty page says that the surface is gone, of another run of the server perhaps: the viewer asks for the shapes
   // again.
   if (!is_ours || !found.mesh) return encode_page(0, 0, 0, {});
-  return first_page(encode_surface(found, arguments.truth("edges", false) ? std::optional(cosine) : std::nullopt));
+  return first_page(encode_surface(found, arguments.truth("edges") ? std::optional(cosine) : std::nullopt));
 }
 
 /// The next page of a buffer. The last page ends the transfer; any other makes it the one that is dropped last.
 std::string GeometryService::more(const Arguments& arguments) {
-  arguments.allow_only({"transfer", "first"});
-  const std::uint64_t number = arguments.whole("transfer", 0, ~std::uint64_t{0});
-  const std::uint64_t first = arguments.whole("first", 0, kMaxGeometryBytes);
+  const std::uint64_t number = arguments.whole("transfer");
+  const std::uint64_t first = arguments.whole("first");
   const auto found =
       std::find_if(transfers_.begin(), transfers_.end(), [&](const Transfer& t) { return t.number == number; });
   if (found == transfers_.end()) return encode_page(0, 0, 0, {});

@@ -7,8 +7,9 @@
 #include <list>
 #include <string>
 #include <thread>
+#include <vector>
 
-#include "server/service/commands/command_arguments.hpp"
+#include "server/service/commands/bound_command.hpp"
 #include "server/service/commands/geometry_encoding.hpp"
 #include "server/service/questions/answering.hpp"
 #include "server/service/runtime/work_queue.hpp"
@@ -29,8 +30,9 @@ class GeometryService {
   GeometryService(const GeometryService&) = delete;
   GeometryService& operator=(const GeometryService&) = delete;
 
-  /// Queues a command; the answer comes through `send`, from the thread of its own. Any thread.
-  void take(CommandAsk ask);
+  /// The commands `shapes`, `surface` and `more`, which the thread of its own answers through `send`, and `poses`, which
+  /// the thread that asks does. They must not outlive this.
+  std::vector<BoundCommand> commands();
   /// Refuses what waits, then ends the thread.
   void stop();
 
@@ -49,7 +51,15 @@ class GeometryService {
     Clock::time_point asked_at;
   };
 
-  void answer(const CommandAsk& ask);
+  using Handler = std::string (GeometryService::*)(const Arguments&);
+  /// A command that waits, and its handler.
+  struct Job {
+    CommandAsk ask;
+    Handler handler;
+  };
+
+  void answer(const CommandAsk& ask, Handler handler);
+  std::string poses(const Arguments& arguments);
   std::string shapes(const Arguments& arguments);
   std::string surface(const Arguments& arguments);
   std::string more(const Arguments& arguments);
@@ -61,7 +71,7 @@ class GeometryService {
   SurfaceNumbers numbers_;
   std::list<Transfer> transfers_;  // the one whose last request is oldest comes first
   std::uint64_t newest_transfer_ = 0;
-  WorkQueue<CommandAsk> jobs_;
+  WorkQueue<Job> jobs_;
   std::atomic<bool> stopping_{false};
   std::thread thread_;
 };

@@ -50,7 +50,7 @@ void Commands::answer_once_kept(const CommandAsk& ask, const std::function<json(
 void Commands::tell_followers(const CommandAsk& ask) const {
   if (!with_.changed || ask.client == 0) return;
   const Arguments arguments(ask.text);
-  const bool is_fence = arguments.command() == names::kFence && !arguments.truth("remove", false);
+  const bool is_fence = arguments.command() == names::kFence && !arguments.truth("remove");
   if (!is_fence && arguments.command() != names::kAcceptLoss) with_.changed(ask);
 }
 
@@ -64,13 +64,13 @@ std::string Commands::follow(CommandAsk ask) {
   }
   try {
     const Arguments arguments(ask.text);
+    const BoundCommand& handler = handler_of(arguments);
     if (arguments.command() == names::kLoad) {
       load_one(parse_load(std::move(ask), arguments));
     } else {
-      const Change change = change_of(arguments.command());
-      if (change == nullptr) return "unknown command";
-      const bool taken = with_.inbox.push_job([this, change, ask = std::move(ask)] {
-        answer_once_kept(ask, [&] { return (this->*change)(ask, Arguments(ask.text)); });
+      if (!handler.is_on_world_thread) return "the command changes nothing";
+      const bool taken = with_.inbox.push_job([this, &handler, ask = std::move(ask)] {
+        answer_once_kept(ask, [&] { return handler.work(ask, Arguments(ask.text)); });
       });
       if (!taken) return "too many commands wait already";
     }
@@ -162,6 +162,7 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
       try {
         const Arguments arguments(ask.text);
         if (arguments.command() == names::kLoad) {
+          static_cast<void>(handler_of(arguments));
           load_one(parse_load(ask, arguments));
         } else if (arguments.command() == names::kClear) {
           with_.inbox.push_own_job([this, ask] { replay_on_world_thread({ask}); });
@@ -179,10 +180,6 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
 }
 
 void Commands::replay_on_world_thread(const std::vector<CommandAsk>& asks) {
-  const auto is_loaded = [&](const std::string& scene) {
-    const SnapshotRing::Lease state = with_.loop.world().newest();
-    return std::ranges::any_of(state->scenes, [&](const auto& loaded) { return loaded->name == scene; });
-  };
   for (const CommandAsk& ask : asks) {
     if (!with_.durable->is_due(ask.request)) continue;
     if (waits_for_parent(ask)) {
@@ -191,27 +188,25 @@ void Commands::replay_on_world_thread(const std::vector<CommandAsk>& asks) {
     }
     answer_once_kept(ask, [&]() -> json {
       const Arguments arguments(ask.text);
-      const std::string& command = arguments.command();
-      if (command == names::kProbe) return probe(ask, arguments);
-      if (command == names::kFence) return fence(ask, arguments);
-      if (command == names::kAllow) return allow(ask, arguments);
-      if (command == names::kDeny) return deny(ask, arguments);
-      if (command == names::kAttach) return attach(ask, arguments);
-      if (command == names::kSuccession) return succession(ask, arguments);
-      if (command == names::kMove) return move(ask, arguments);
-      if (command == names::kAdd) return add(ask, arguments);
-      // What is not there needs no removing: the start options or the file may be others than before.
-      if (command == names::kClear) return is_loaded(arguments.text("scene")) ? clear(ask, arguments) : json::object();
-      return with_.loop.world().find(arguments.text("name")) ? remove(ask, arguments) : json::object();
+      const BoundCommand& handler = handler_of(arguments);
+      return is_removed_already(arguments) ? json::object() : handler.work(ask, arguments);
     });
   }
 }
 
+/// Whether the command removes what is not there: the start options or the file may be others than before.
+bool Commands::is_removed_already(const Arguments& arguments) const {
+  const World& world = with_.loop.world();
+  if (arguments.command() == names::kRemove) return !world.find(arguments.text("name"));
+  if (arguments.command() != names::kClear) return false;
+  const std::string scene = arguments.text("scene");
+  return std::ranges::none_of(world.newest()->scenes, [&](const auto& loaded) { return loaded->name == scene; });
+}
+
 /// What of the time before the crash is missing, and, unless that is only to be shown, that the world counts as whole
 /// without it.
-json Commands::accept_loss(const CommandAsk&, const Arguments& arguments) {
-  arguments.allow_only({"show", "durable"});
-  const bool shows_only = arguments.truth("show", false);
+json Commands::accept_loss(const Arguments& arguments) {
+  const bool shows_only = arguments.truth("show");
   const std::vector<std::string> losses =
       with_.durable != nullptr ? with_.durable->losses() : std::vector<std::string>();
   if (!shows_only && with_.durable != nullptr) with_.durable->accept_losses();

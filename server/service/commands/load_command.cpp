@@ -15,6 +15,7 @@ namespace collided::engine::service {
 
 using nlohmann::json;
 using wire_contract::ReplyStatus;
+namespace names = wire_contract::command;
 
 namespace {
 
@@ -33,38 +34,42 @@ std::optional<std::uint32_t> checksum_of(const std::string& path) {
 
 }  // namespace
 
+std::vector<BoundCommand> Commands::scene_commands() {
+  std::vector<BoundCommand> commands = uploads_.commands();
+  commands.push_back(handed_on(names::kLoad, this, &Commands::load_later));
+  return commands;
+}
+
 /// The command with its arguments checked. Throws BadCommand.
 Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) const {
   Load load;
-  arguments.allow_only({"path", "name", "unit_m", "up", "radius_m", "strict", "replace", "mend", "crack_m", "srdf",
-                        "foreign", "covers", "crc32", "durable", "solid", "solid_by", "moving", "packages"});
   load.path = arguments.text("path");
   load.options.name = arguments.text("name");
-  load.options.unit_m = arguments.number("unit_m", 1);
-  load.options.radius_m = arguments.number("radius_m", 0);
+  load.options.unit_m = arguments.number("unit_m");
+  load.options.radius_m = arguments.number("radius_m");
   const std::string up = arguments.text("up");
-  load.options.strict = arguments.truth("strict", false);
-  load.replace = arguments.truth("replace", false);
-  load.is_moving = arguments.truth("moving", false);
+  load.options.strict = arguments.truth("strict");
+  load.replace = arguments.truth("replace");
+  load.is_moving = arguments.truth("moving");
   if (load.path.empty()) throw BadCommand("load: without a path");
   if (!load.options.name.empty() && !is_good_name(load.options.name))
     throw BadCommand("load: the name is too long or not text");
   if (!up.empty() && up != "y" && up != "z") {
     throw BadCommand(fmt::format("load: up is {}; allowed: 'y' or 'z', or nothing: as the format says", printable(up)));
   }
-  const double crack_m = arguments.number("crack_m", 0);
+  const double crack_m = arguments.number("crack_m");
   if (!(crack_m >= 0)) throw BadCommand(fmt::format("load: crack_m is {}; allowed: 0 and more", crack_m));
-  if (arguments.truth("mend", false)) load.options.mend_m = crack_m;
+  if (arguments.truth("mend")) load.options.mend_m = crack_m;
   load.options.srdf = arguments.text("srdf");
   load.options.packages = arguments.texts("packages");
   load.options.solid = arguments.text("solid");
   load.options.solid_by_winding = arguments.is_solid_by_winding();
-  load.options.is_foreign = arguments.truth("foreign", false);
+  load.options.is_foreign = arguments.truth("foreign");
   load.covers = arguments.boxes("covers");
   if (with_.shard != nullptr && !load.covers.empty())
     throw BadCommand("load: this server is a shard, and covers what it holds. Nothing was loaded");
   load.is_durable = arguments.is_durable();
-  if (arguments.has("crc32")) load.checksum = static_cast<std::uint32_t>(arguments.whole("crc32", 0, 0xffffffff));
+  if (arguments.has("crc32")) load.checksum = arguments.whole_32("crc32");
   if (!(load.options.unit_m > 0))
     throw BadCommand(fmt::format("load: unit_m is {}; allowed: greater than 0", load.options.unit_m));
   load.options.up = up.empty() ? '\0' : up[0];
@@ -73,16 +78,11 @@ Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) 
 }
 
 void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
-  const std::uint64_t client = ask.client;
-  const std::uint64_t request = ask.request;
-  try {
-    make_room("load", slow_jobs_);
-    const auto shared = std::make_shared<Load>(parse_load(std::move(ask), arguments));
-    once_there_is_room(shared->ask, shared->is_durable,
-                       [this, shared] { slow_jobs_.push([this, shared] { load_one(std::move(*shared)); }); });
-  } catch (const BadCommand& bad) {
-    answering_->send_text(client, request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
-  }
+  if (arguments.has("upload")) return uploads_.take_load(std::move(ask));
+  make_room("load", slow_jobs_);
+  const auto shared = std::make_shared<Load>(parse_load(std::move(ask), arguments));
+  once_there_is_room(shared->ask, shared->is_durable,
+                     [this, shared] { slow_jobs_.push([this, shared] { load_one(std::move(*shared)); }); });
 }
 
 /// Loads an uploaded file as if the command had named its path. The text says so too, since it is what is carried out
@@ -94,10 +94,8 @@ void Commands::load_upload(CommandAsk ask, const std::string& path, std::uint32_
   words["foreign"] = true;
   words["crc32"] = checksum;
   ask.text = words.dump();
-  make_room("load", slow_jobs_);
-  const auto shared = std::make_shared<Load>(parse_load(ask, Arguments(ask.text)));
-  once_there_is_room(shared->ask, shared->is_durable,
-                     [this, shared] { slow_jobs_.push([this, shared] { load_one(std::move(*shared)); }); });
+  const Arguments arguments(ask.text);
+  load_later(std::move(ask), arguments);
 }
 
 /// Reads and indexes the file on the thread for slow work, then hands the scene to the world's thread.

@@ -11,7 +11,7 @@
 namespace collided::engine::service {
 
 using nlohmann::json;
-using wire_contract::ReplyStatus;
+namespace names = wire_contract::command;
 
 namespace {
 
@@ -27,8 +27,7 @@ json described(const OpinionCounts& counts) {
 
 }  // namespace
 
-json Commands::audit(const Arguments& arguments) const {
-  arguments.allow_only({});
+json Commands::audit() const {
   const AuditCounts counts = with_.audit.counts();
   json questions = json::array();
   for (const QuestionKind kind : kPlainQuestions) {
@@ -66,9 +65,9 @@ std::vector<double> own_questions(QuestionKind kind, const std::vector<std::byte
                                  name_of(kind)));
   }
   const std::size_t count = bytes.size() / question_bytes;
-  if (count > wire_contract::command::kMostMenuQuestions) {
-    throw BadCommand(fmt::format("menu: {} questions, allowed {}; nothing was asked", count,
-                                 wire_contract::command::kMostMenuQuestions));
+  if (count > names::kMostMenuQuestions) {
+    throw BadCommand(
+        fmt::format("menu: {} questions, allowed {}; nothing was asked", count, names::kMostMenuQuestions));
   }
   std::vector<double> numbers(count * stride);
   std::memcpy(numbers.data(), bytes.data(), bytes.size());
@@ -105,10 +104,9 @@ QuestionKind kind_of(const std::string& name) {
 }
 
 MenuOptions menu_options(const Arguments& arguments, const std::vector<std::byte>& bytes) {
-  arguments.allow_only({"questions", "seed", "of", "opinion", "deadline_ns"});
   MenuOptions options;
-  options.questions = static_cast<std::uint32_t>(arguments.whole("questions", 1'000, 100'000));
-  options.seed = arguments.whole("seed", 1, ~std::uint64_t{0});
+  options.questions = arguments.whole_32("questions");
+  options.seed = arguments.whole("seed");
   const std::string opinion = arguments.text("opinion");
   if (!opinion.empty() && opinion != "fcl")
     throw BadCommand(fmt::format("menu: 'opinion' is {}; allowed: fcl", printable(opinion)));
@@ -122,20 +120,21 @@ MenuOptions menu_options(const Arguments& arguments, const std::vector<std::byte
 
 }  // namespace
 
+std::vector<BoundCommand> Commands::measuring_commands() {
+  return {handed_on(names::kPair, this, &Commands::pair_later),
+          handed_on(names::kClearance, this, &Commands::clearance_later),
+          handed_on(names::kExplain, this, &Commands::explain_later),
+          handed_on(names::kMenu, this, &Commands::menu_later)};
+}
+
 void Commands::menu_later(CommandAsk ask, const Arguments& arguments) {
-  const std::uint64_t client = ask.client;
-  const std::uint64_t request = ask.request;
-  try {
-    MenuOptions options = menu_options(arguments, ask.blob);
-    make_room("menu", slow_jobs_);
-    const auto job = await(std::move(ask), arguments);
-    options.cancelled = [this, job] { return stopping_.load() || job->is_over(); };
-    slow_jobs_.push([this, job, options = std::move(options)] {
-      if (!job->called_off.load()) answer(job->ask, [&] { return menu(options, *job); });
-    });
-  } catch (const BadCommand& bad) {
-    answering_->send_text(client, request, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
-  }
+  MenuOptions options = menu_options(arguments, ask.blob);
+  make_room("menu", slow_jobs_);
+  const auto job = await(std::move(ask), arguments);
+  options.cancelled = [this, job] { return stopping_.load() || job->is_over(); };
+  slow_jobs_.push([this, job, options = std::move(options)] {
+    if (!job->called_off.load()) answer(job->ask, [&] { return menu(options, *job); });
+  });
 }
 
 /// What there is by the deadline, and whether that is all.

@@ -15,15 +15,13 @@ namespace collided::engine::service {
 using nlohmann::json;
 
 FenceDefinition nearest_of(const Arguments& arguments) {
-  constexpr std::uint64_t kBits = 0xffffffff;
-  arguments.allow_only({"name", "to", "point", "only", "skip", "mask", "within", "hysteresis", "keep", "durable"});
-  FenceDefinition asked{.name = arguments.text("name"),
-                        .carrier = arguments.text("to"),
-                        .only = arguments.text("only"),
-                        .skip = arguments.text("skip"),
-                        .mask = static_cast<std::uint32_t>(arguments.whole("mask", kBits, kBits)),
-                        .nearest = NearestRule{.within_m = arguments.number("within", 0),
-                                               .hysteresis_m = arguments.number("hysteresis", 0)}};
+  FenceDefinition asked{
+      .name = arguments.text("name"),
+      .carrier = arguments.text("to"),
+      .only = arguments.text("only"),
+      .skip = arguments.text("skip"),
+      .mask = arguments.whole_32("mask"),
+      .nearest = NearestRule{.within_m = arguments.number("within"), .hysteresis_m = arguments.number("hysteresis")}};
   if (!is_good_name(asked.name))
     throw BadCommand(
         fmt::format("nearest: the name {} is empty, longer than 255 bytes or not text", printable(asked.name)));
@@ -42,7 +40,7 @@ FenceDefinition nearest_of(const Arguments& arguments) {
 
 json Commands::nearest(const Arguments& arguments) {
   const World& world = with_.loop.world();
-  const std::uint64_t limit = arguments.whole("limit", 10'000, 1'000'000);
+  const std::uint64_t limit = arguments.whole("limit");
   std::map<ObjectId, const OpenContact*> open_of;
   if (world.fences() != nullptr) {
     for (const OpenContact& open : world.fences()->inside()) open_of[open.b] = &open;

@@ -124,12 +124,11 @@ Commands::AskedPair Commands::asked_pair(const AwaitedJob& job) const {
   if (asked.a == asked.b)
     throw BadCommand(fmt::format("{}: both are {}", arguments.command(), printable(arguments.text("a"))),
                      "two objects are needed");
-  asked.options = {
-      .certificate = arguments.truth("certificate", false),
-      .triangles = arguments.truth("triangles", false),
-      .most_crossings = static_cast<std::uint32_t>(arguments.whole("most", 10'000, wire_contract::kMaxTrianglePairs)),
-      .deadline_ns = job.deadline_ns,
-      .called_off = &job.called_off};
+  asked.options = {.certificate = arguments.truth("certificate"),
+                   .triangles = arguments.truth("triangles"),
+                   .most_crossings = arguments.whole_32("most"),
+                   .deadline_ns = job.deadline_ns,
+                   .called_off = &job.called_off};
   asked.is_fcl_asked = wants_opinion(arguments);
   for (const ObjectId id : {asked.a, asked.b}) {
     const ObjectInfo& info = *asked.state().objects[slot_of(id)];
@@ -158,7 +157,7 @@ json Commands::examined(const AskedPair& asked) const {
 std::shared_ptr<Commands::AwaitedJob> Commands::await(CommandAsk ask, const Arguments& arguments) {
   const auto job = std::make_shared<AwaitedJob>();
   job->ask = std::move(ask);
-  const auto within_ns = static_cast<std::int64_t>(arguments.whole("deadline_ns", 0, std::uint64_t{1} << 60));
+  const auto within_ns = static_cast<std::int64_t>(arguments.whole("deadline_ns"));
   job->deadline_ns = within_ns > 0 ? steady_ns() + within_ns : 0;
   const std::lock_guard lock(awaited_mutex_);
   awaited_.push_back(job);
@@ -203,14 +202,8 @@ void Commands::look_for_gone() {
   });
 }
 
-/// Checks the arguments at once and examines the pair on a thread for pairs.
 void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
-  in_turn(
-      std::move(ask), arguments, "pair",
-      [](const Arguments& given) {
-        given.allow_only({"a", "b", "certificate", "triangles", "most", "as_of", "opinion", "deadline_ns"});
-      },
-      &Commands::asked_pair, &Commands::examined);
+  in_turn(std::move(ask), arguments, "pair", &Commands::asked_pair, &Commands::examined);
 }
 
 }  // namespace collided::engine::service

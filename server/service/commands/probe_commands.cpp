@@ -10,6 +10,7 @@
 namespace collided::engine::service {
 
 using nlohmann::json;
+namespace names = wire_contract::command;
 
 namespace {
 
@@ -18,8 +19,8 @@ ProbeDefinition definition_of(const Arguments& arguments) {
                         .object = arguments.text("object"),
                         .origin = arguments.vector("origin").value_or(Vec3::Zero()),
                         .direction = arguments.vector("direction").value_or(-Vec3::UnitZ()),
-                        .reach_m = arguments.number("reach_m", std::numeric_limits<double>::infinity()),
-                        .back_m = arguments.number("back_m", 0)};
+                        .reach_m = arguments.number("reach_m"),
+                        .back_m = arguments.number("back_m")};
   for (const std::string* name : {&probe.name, &probe.object}) {
     if (!is_good_name(*name))
       throw BadCommand(fmt::format("probe: the name {} is empty, longer than 255 bytes or not text", printable(*name)));
@@ -29,11 +30,15 @@ ProbeDefinition definition_of(const Arguments& arguments) {
 
 }  // namespace
 
+std::vector<BoundCommand> Commands::probe_commands() {
+  return {on_world_thread(names::kProbe, this, &Commands::probe),
+          on_world_thread(names::kProbes, this, &Commands::probes)};
+}
+
 json Commands::probe(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"name", "object", "origin", "direction", "reach_m", "back_m", "remove", "durable"});
   Probes& probes = with_.loop.probes();
   json changed = json::array();
-  if (arguments.truth("remove", false)) {
+  if (arguments.truth("remove")) {
     const std::vector<std::string> removed = probes.remove(arguments.text("name"));
     if (with_.durable != nullptr) with_.durable->probes_removed(removed);
     changed = removed;
@@ -48,8 +53,7 @@ json Commands::probe(const CommandAsk& ask, const Arguments& arguments) {
 }
 
 /// What every probe reads in the newest state.
-json Commands::probes(const CommandAsk&, const Arguments& arguments) {
-  arguments.allow_only({"name"});
+json Commands::probes(const Arguments& arguments) {
   const std::string glob = arguments.text("name");
   const std::vector<ProbeReading>& readings = with_.loop.read_probes();
   const auto object_name = [&](ObjectId id) {

@@ -30,26 +30,23 @@ std::string page_of(const std::string& path, std::uint64_t offset) {
 
 /// Writes a recording on the thread for costly pairs; a page of one is read and sent at once.
 void Commands::recording_later(CommandAsk ask, const Arguments& arguments) {
-  try {
-    arguments.allow_only({"last_s", "number", "offset"});
-    if (with_.flight == nullptr)
-      throw BadCommand("the server keeps no flight recorder", "start it with --flight-recorder 30s");
-    if (arguments.has("number")) {
-      const std::uint64_t number = arguments.whole("number", 0, ~std::uint64_t{0});
-      const std::uint64_t offset = arguments.whole("offset", 0, std::uint64_t{1} << 40);
-      // A recording that held earlier ones would be twice as long each time somebody asks for it.
-      answering_->send_text(ask.client, ask.request, ReplyStatus::ok, page_of(recording_path(number), offset), false);
-      return;
-    }
-    const double last_s = arguments.number("last_s", 30);
-    if (!(last_s >= 0 && last_s <= 86'400)) throw BadCommand("recording: last_s is a time from 0 to a day");
-    // About as long as a pair of so many triangles.
-    constexpr double kCost = 100'000;
-    const auto shared = std::make_shared<CommandAsk>(ask);
-    const auto last_ns = static_cast<std::int64_t>(last_s * 1e9);
-    push_fairly("recording", costly_jobs_, {.client = shared->client, .cost = kCost},
-                [this, shared, last_ns] { answer(*shared, [&] { return write_recording(last_ns); }); });
-  } catch (const BadCommand& bad) { send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }
+  if (with_.flight == nullptr)
+    throw BadCommand("the server keeps no flight recorder", "start it with --flight-recorder 30s");
+  if (arguments.has("number")) {
+    const std::uint64_t number = arguments.whole("number");
+    const std::uint64_t offset = arguments.whole("offset");
+    // A recording that held earlier ones would be twice as long each time somebody asks for it.
+    answering_->send_text(ask.client, ask.request, ReplyStatus::ok, page_of(recording_path(number), offset), false);
+    return;
+  }
+  const double last_s = arguments.number("last_s");
+  if (!(last_s >= 0 && last_s <= 86'400)) throw BadCommand("recording: last_s is a time from 0 to a day");
+  // About as long as a pair of so many triangles.
+  constexpr double kCost = 100'000;
+  const auto shared = std::make_shared<CommandAsk>(std::move(ask));
+  const auto last_ns = static_cast<std::int64_t>(last_s * 1e9);
+  push_fairly("recording", costly_jobs_, {.client = shared->client, .cost = kCost},
+              [this, shared, last_ns] { answer(*shared, [&] { return write_recording(last_ns); }); });
 }
 
 std::string Commands::recording_path(std::uint64_t number) {

@@ -36,7 +36,6 @@ const ObjectInfo* Commands::foreign_in_scene(const CommandAsk& ask, std::string_
 }
 
 json Commands::remove(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"name", "durable"});
   World& world = with_.loop.world();
   const std::string name = arguments.text("name");
   std::vector<ObjectId> chosen;
@@ -73,10 +72,9 @@ json Commands::remove(const CommandAsk& ask, const Arguments& arguments) {
 /// Removes scenes and objects; what live publishers have stays and is counted as kept, and so does what the keys of
 /// whoever clears are not for, a scene as a whole. One scene by its name is refused instead.
 json Commands::clear(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"scene", "moving", "durable"});
   World& world = with_.loop.world();
   const std::string scene = arguments.text("scene");
-  const bool moving = arguments.truth("moving", false);
+  const bool moving = arguments.truth("moving");
   std::vector<std::string> scenes;
   for (const auto& loaded : world.newest()->scenes) scenes.push_back(loaded->name);
   if (!scene.empty() && std::find(scenes.begin(), scenes.end(), scene) == scenes.end()) {

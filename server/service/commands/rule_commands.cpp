@@ -11,6 +11,7 @@
 namespace collided::engine::service {
 
 using nlohmann::json;
+namespace names = wire_contract::command;
 
 namespace {
 
@@ -38,6 +39,11 @@ std::size_t count_matching(const World& world, const std::string& glob) {
 
 }  // namespace
 
+std::vector<BoundCommand> Commands::rule_commands() {
+  return {on_world_thread(names::kAllow, this, &Commands::allow), on_world_thread(names::kDeny, this, &Commands::deny),
+          on_asking_thread(names::kAllowed, this, &Commands::allowed)};
+}
+
 /// Puts the rules into the world and into what outlives a crash.
 json Commands::change_rules(const PairRule& changed, std::vector<PairRule> rules) {
   World& world = with_.loop.world();
@@ -47,7 +53,7 @@ json Commands::change_rules(const PairRule& changed, std::vector<PairRule> rules
   if (with_.durable != nullptr) {
     std::vector<std::string> texts;
     for (const PairRule& rule : rules) {
-      const char* command = rule.allows ? wire_contract::command::kAllow : wire_contract::command::kDeny;
+      const char* command = rule.allows ? names::kAllow : names::kDeny;
       json text{{"command", command}, {"a", rule.a}, {"b", rule.b}};
       if (!rule.because.empty()) text["because"] = rule.because;
       texts.push_back(text.dump());
@@ -62,8 +68,7 @@ json Commands::change_rules(const PairRule& changed, std::vector<PairRule> rules
           {"version", step()}};
 }
 
-json Commands::allow(const CommandAsk&, const Arguments& arguments) {
-  arguments.allow_only({"a", "b", "because", "durable"});
+json Commands::allow(const Arguments& arguments) {
   const PairRule rule = rule_of(arguments);
   std::vector<PairRule> rules = with_.loop.world().pair_rules();
   erase_same(rules, rule);
@@ -73,8 +78,7 @@ json Commands::allow(const CommandAsk&, const Arguments& arguments) {
   return answer;
 }
 
-json Commands::deny(const CommandAsk&, const Arguments& arguments) {
-  arguments.allow_only({"a", "b", "durable"});
+json Commands::deny(const Arguments& arguments) {
   PairRule rule = rule_of(arguments);
   std::vector<PairRule> rules = with_.loop.world().pair_rules();
   erase_same(rules, rule);
@@ -87,8 +91,7 @@ json Commands::deny(const CommandAsk&, const Arguments& arguments) {
   return answer;
 }
 
-json Commands::allowed(const Arguments& arguments) const {
-  arguments.allow_only({});
+json Commands::allowed() const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
   json rules = json::array();
   if (state->pair_rules) {

@@ -40,9 +40,7 @@ void add_question(json& row, const SampledQuestion& sample) {
 
 /// Some questions of other clients, as idl/commands.hpp lists them under `sampled`.
 json Commands::sampled(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"since"});
-  constexpr std::uint64_t kMostSequence = std::uint64_t{1} << 53;
-  std::uint64_t since = arguments.whole("since", 0, kMostSequence);
+  std::uint64_t since = arguments.whole("since");
   const std::int64_t now_ns = steady_ns();
   json rows = json::array();
   for (const SampledQuestion& sample : with_.samples.read(since, ask.client, now_ns)) {

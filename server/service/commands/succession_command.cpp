@@ -27,8 +27,30 @@ int step_of(shards::SuccessionPhase phase) {
 
 }  // namespace
 
-json Commands::shard(const Arguments& arguments) {
-  arguments.allow_only({});
+std::vector<BoundCommand> Commands::shard_commands() {
+  return {on_asking_thread(names::kShard, this, &Commands::shard),
+          on_world_thread(names::kSettled, this, &Commands::settled),
+          on_world_thread(names::kSuccession, this, &Commands::succession),
+          on_asking_thread(names::kHandOver, this, &Commands::hand_over)};
+}
+
+json Commands::hand_over(const Arguments& arguments) const { return {{"to", with_.hand_over(arguments.text("to"))}}; }
+
+json Commands::settled(const CommandAsk& ask, const Arguments& arguments) {
+  if (with_.shard != nullptr && arguments.has("watch"))
+    shard_watchers_.heard(ask.client, arguments.whole("watch"), arguments.text("map"), steady_ns());
+  const SnapshotRing::Lease newest = with_.loop.world().newest();
+  json answer{{"settled_ns", with_.loop.settled_ns()},
+              {"event_sequence", with_.loop.world().last_event_sequence()},
+              {"epoch", newest->epoch}};
+  if (const std::uint64_t predecessor = with_.predecessor ? with_.predecessor() : 0; predecessor != 0) {
+    answer["heir_of"] = predecessor;
+    answer["told_from"] = with_.loop.told_from();
+  }
+  return answer;
+}
+
+json Commands::shard() {
   if (with_.shard == nullptr) throw BadCommand("this server is no shard: it holds all of its world");
   json answer{{"name", with_.shard->name},
               {"map", shards::fingerprint_text(with_.shard->fingerprint)},
@@ -70,8 +92,7 @@ void Commands::succeed(shards::MapSuccession next) {
   succession_ = std::move(next);
 }
 
-json Commands::succession(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"revision", "phase", "from", "map", "durable"});
+json Commands::succession(const CommandAsk& ask, const Arguments&) {
   if (with_.shard == nullptr) throw BadCommand("this server is no shard: it holds all of its world. Nothing was done");
   World& world = with_.loop.world();
   try {

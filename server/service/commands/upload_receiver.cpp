@@ -26,7 +26,6 @@ namespace {
 
 constexpr std::uint64_t kPieceBytes = names::kUploadPieceBytes;
 constexpr std::size_t kMostNameBytes = 128;
-constexpr std::uint64_t kMostNumber = std::uint64_t{1} << 53;  // the largest that JSON carries exactly
 
 /// Whether a file name is safe: no path, not hidden, nothing that a shell would read as more than a name.
 bool is_good_file_name(const std::string& name) {
@@ -72,7 +71,7 @@ UploadReceiver::UploadReceiver(std::string folder, const std::vector<CommandAsk>
   thread_ = named_thread("uploads", [this] {
     while (std::optional<Job> job = jobs_.pop()) {
       if (const auto* forget = std::get_if<Forget>(&*job)) remove_file(forget->path);
-      else work(std::get<CommandAsk>(*job));
+      else work(std::get<Asked>(*job));
     }
   });
 }
@@ -84,10 +83,17 @@ void UploadReceiver::stop() {
   while (!uploads_.empty()) drop(uploads_.begin());
 }
 
-void UploadReceiver::take(CommandAsk ask) {
-  if (!jobs_.has_room())
-    return send_(ask, ReplyStatus::refused, refusal_text("too many pieces of uploads wait already", "send it again"));
-  jobs_.push(std::move(ask));
+std::vector<BoundCommand> UploadReceiver::commands() {
+  const auto queued = [this](const char* name, Handler handler) -> BoundCommand {
+    return {.name = name,
+            .hand_on = [this, handler](CommandAsk ask, const Arguments&) { take(std::move(ask), handler); }};
+  };
+  return {queued(names::kUpload, &UploadReceiver::begin), queued(names::kPiece, &UploadReceiver::piece)};
+}
+
+void UploadReceiver::take(CommandAsk ask, Handler handler) {
+  if (!jobs_.has_room()) throw BadCommand("too many pieces of uploads wait already", "send it again");
+  jobs_.push(Asked{std::move(ask), handler});
 }
 
 bool UploadReceiver::has_taken(const std::string& path) const {
@@ -98,23 +104,21 @@ void UploadReceiver::forget(const std::string& path) {
   if (has_taken(path)) jobs_.push(Forget{path});
 }
 
-void UploadReceiver::work(const CommandAsk& ask) {
+void UploadReceiver::work(const Asked& asked) {
+  const CommandAsk& ask = asked.ask;
   try {
     if (stopping_.load()) throw BadCommand("the server is stopping");
     drop_forgotten();
-    const Arguments arguments(ask.text);
-    if (arguments.command() == names::kLoad) return commit(ask, arguments);
-    send_(ask, ReplyStatus::ok, arguments.command() == names::kUpload ? begin(ask, arguments) : piece(ask, arguments));
+    (this->*asked.handler)(ask, Arguments(ask.text));
   } catch (const BadCommand& bad) {
     send_(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
   } catch (const std::bad_alloc&) { send_(ask, ReplyStatus::refused, refusal_text("not enough memory")); }
 }
 
-/// Begins an upload: checks name and room, makes the file, and returns its number, which cannot be guessed.
-std::string UploadReceiver::begin(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"file", "bytes", "checksum"});
+/// Begins an upload: checks name and room, makes the file, and answers its number, which cannot be guessed.
+void UploadReceiver::begin(const CommandAsk& ask, const Arguments& arguments) {
   const std::string name = arguments.text("file");
-  const std::uint64_t bytes = arguments.whole("bytes", 0, kMostNumber);
+  const std::uint64_t bytes = arguments.whole("bytes");
   if (folder_.empty())
     throw BadCommand("upload: the server has no folder to keep files in", "start it with --state-dir");
   if (!is_good_file_name(name)) {
@@ -131,7 +135,7 @@ std::string UploadReceiver::begin(const CommandAsk& ask, const Arguments& argume
                     kept, kMostBytes));
   }
   if (uploads_.size() >= kMostUnderWay) throw BadCommand("upload: too many are under way already", "ask again");
-  const std::uint64_t number = random_number() % kMostNumber;
+  const std::uint64_t number = random_number() % names::kMostExact;
   const std::string own = fmt::format("{}/{:014x}", folder_, number);
   std::error_code error;
   fs::create_directories(own, error);
@@ -139,7 +143,7 @@ std::string UploadReceiver::begin(const CommandAsk& ask, const Arguments& argume
                 .path = own + "/" + name,
                 .file = -1,
                 .bytes = bytes,
-                .checksum = static_cast<std::uint32_t>(arguments.whole("checksum", 0, 0xffffffff)),
+                .checksum = arguments.whole_32("checksum"),
                 .pieces = std::vector<std::int64_t>((bytes + kPieceBytes - 1) / kPieceBytes, -1),
                 .missing = 0,
                 .asked_at = Clock::now()};
@@ -154,14 +158,13 @@ std::string UploadReceiver::begin(const CommandAsk& ask, const Arguments& argume
     throw BadCommand(
         fmt::format("upload: no room for {} bytes in {}: {}. Nothing was taken", bytes, folder_, std::strerror(fault)));
   }
-  return json{{"upload", number}, {"piece_bytes", kPieceBytes}}.dump();
+  send_(ask, ReplyStatus::ok, json{{"upload", number}, {"piece_bytes", kPieceBytes}}.dump());
 }
 
 /// Writes a piece to its place and notes its checksum, from which commit() combines that of the file.
-std::string UploadReceiver::piece(const CommandAsk& ask, const Arguments& arguments) {
-  arguments.allow_only({"upload", "first", "checksum"});
+void UploadReceiver::piece(const CommandAsk& ask, const Arguments& arguments) {
   Upload& upload = find(ask, arguments);
-  const std::uint64_t first = arguments.whole("first", 0, kMostNumber);
+  const std::uint64_t first = arguments.whole("first");
   const std::uint64_t wanted = first < upload.bytes ? std::min(kPieceBytes, upload.bytes - first) : 0;
   if (first % kPieceBytes != 0 || wanted == 0 || ask.blob.size() != wanted) {
     throw BadCommand(fmt::format(
@@ -169,7 +172,7 @@ std::string UploadReceiver::piece(const CommandAsk& ask, const Arguments& argume
         ask.blob.size(), first, kPieceBytes, upload.bytes));
   }
   const std::uint32_t checksum = checksum_of(ask.blob);
-  if (checksum != arguments.whole("checksum", 0, 0xffffffff))
+  if (checksum != arguments.whole("checksum"))
     throw BadCommand("upload: a piece was damaged on its way", "send it again");
   if (!write_at(upload.file, ask.blob, first)) {
     throw BadCommand(fmt::format("upload: a piece cannot be written: {}", std::strerror(errno)), "send it again");
@@ -178,7 +181,7 @@ std::string UploadReceiver::piece(const CommandAsk& ask, const Arguments& argume
   upload.missing -= known < 0 ? 1 : 0;
   known = checksum;
   upload.asked_at = Clock::now();
-  return json{{"missing", upload.missing}}.dump();
+  send_(ask, ReplyStatus::ok, json{{"missing", upload.missing}}.dump());
 }
 
 /// Checks that the file is complete and as it was sent, and syncs it, since a file to be loaded must outlive a crash;
@@ -193,7 +196,7 @@ void UploadReceiver::commit(const CommandAsk& ask, const Arguments& arguments) {
     const std::uint64_t size = std::min(kPieceBytes, upload.bytes - i * kPieceBytes);
     all = ::crc32_combine(all, static_cast<uLong>(upload.pieces[i]), static_cast<z_off_t>(size));
   }
-  const auto place = uploads_.find(arguments.whole("upload", 0, kMostNumber));
+  const auto place = uploads_.find(arguments.whole("upload"));
   if (all != upload.checksum || ::fsync(upload.file) != 0) {
     const std::string why = all != upload.checksum ? "the file is not what its checksum says" : std::strerror(errno);
     drop(place);
@@ -212,7 +215,7 @@ void UploadReceiver::commit(const CommandAsk& ask, const Arguments& arguments) {
 }
 
 UploadReceiver::Upload& UploadReceiver::find(const CommandAsk& ask, const Arguments& arguments) {
-  const auto found = uploads_.find(arguments.whole("upload", 0, kMostNumber));
+  const auto found = uploads_.find(arguments.whole("upload"));
   if (found == uploads_.end() || found->second.client != ask.client) {
     throw BadCommand(
         fmt::format("upload: there is none of that number under way; what is not gone on with for {} s is thrown away",

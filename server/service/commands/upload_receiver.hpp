@@ -7,10 +7,11 @@
 #include <map>
 #include <string>
 #include <thread>
+#include <utility>
 #include <variant>
 #include <vector>
 
-#include "server/service/commands/command_arguments.hpp"
+#include "server/service/commands/bound_command.hpp"
 #include "server/service/questions/answering.hpp"
 #include "server/service/runtime/work_queue.hpp"
 
@@ -32,8 +33,10 @@ class UploadReceiver {
   UploadReceiver(const UploadReceiver&) = delete;
   UploadReceiver& operator=(const UploadReceiver&) = delete;
 
-  /// Queues an `upload`, a `piece`, or a `load` of an upload; the answer comes through `send`. Any thread.
-  void take(CommandAsk ask);
+  /// The commands `upload` and `piece`, which the thread of its own answers through `send`. They must not outlive this.
+  std::vector<BoundCommand> commands();
+  /// Queues a `load` of an upload, likewise. Throws BadCommand where too much waits. Any thread.
+  void take_load(CommandAsk ask) { take(std::move(ask), &UploadReceiver::commit); }
   /// Whether the path is that of a file that was received here. Any thread.
   bool has_taken(const std::string& path) const;
   /// Removes a received file that is needed no longer; other paths are ignored. Any thread.
@@ -47,10 +50,15 @@ class UploadReceiver {
   static constexpr std::size_t kMostUnderWay = 8;                      // uploads
   static constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;  // of all files in the folder
   static constexpr std::chrono::seconds kPatience{60};
+  using Handler = void (UploadReceiver::*)(const CommandAsk&, const Arguments&);
+  struct Asked {
+    CommandAsk ask;
+    Handler handler;
+  };
   struct Forget {
     std::string path;
   };
-  using Job = std::variant<CommandAsk, Forget>;
+  using Job = std::variant<Asked, Forget>;
 
   /// A file of which pieces are missing.
   struct Upload {
@@ -64,9 +72,10 @@ class UploadReceiver {
     Clock::time_point asked_at;
   };
 
-  void work(const CommandAsk& ask);
-  std::string begin(const CommandAsk& ask, const Arguments& arguments);
-  std::string piece(const CommandAsk& ask, const Arguments& arguments);
+  void take(CommandAsk ask, Handler handler);
+  void work(const Asked& asked);
+  void begin(const CommandAsk& ask, const Arguments& arguments);
+  void piece(const CommandAsk& ask, const Arguments& arguments);
   void commit(const CommandAsk& ask, const Arguments& arguments);
   Upload& find(const CommandAsk& ask, const Arguments& arguments);
   void drop(std::map<std::uint64_t, Upload>::iterator upload);

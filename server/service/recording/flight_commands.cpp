@@ -1,10 +1,9 @@
 #include "server/service/recording/flight_commands.hpp"
 
 #include <algorithm>
-#include <array>
 #include <nlohmann/json.hpp>
 
-#include "idl/commands.hpp"
+#include "idl/command_table.hpp"
 #include "idl/glob.hpp"
 
 namespace collided::engine::service {
@@ -13,10 +12,6 @@ namespace {
 using nlohmann::json;
 using recording::Recorded;
 namespace names = wire_contract::command;
-
-constexpr std::array kChanges{names::kAdd,  names::kMove,   names::kRemove, names::kProbe,
-                              names::kLoad, names::kClear,  names::kFence,  names::kAllow,
-                              names::kDeny, names::kAttach, names::kDetach};
 
 std::string text_of(const json& object, const char* key) {
   const auto found = object.is_object() ? object.find(key) : object.end();
@@ -57,7 +52,8 @@ std::size_t FlightCommands::drop_if(const IsChosen& is_chosen) {
 void FlightCommands::asked(const wire::Query& query) {
   if (query.kind != static_cast<std::uint8_t>(wire_contract::QuestionKind::command)) return;
   const std::string what = text_of(json::parse(query.text, nullptr, false), "command");
-  if (std::find(kChanges.begin(), kChanges.end(), what) == kChanges.end()) return;
+  const names::CommandSpec* const spec = names::find_command(what);
+  if (spec == nullptr || !spec->is_recorded_change()) return;
   if (query.client == 0)
     return done(wire::cdr_bytes(query), json::object(), [](const std::string*, bool) { return false; });
   noted_.emplace_back(query.client, query.request);
