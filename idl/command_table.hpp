@@ -210,7 +210,7 @@ inline constexpr ArgumentSpec kMenu[]{{"questions", whole, "of each kind", 1'000
 
 // ---- the server itself
 
-inline constexpr ArgumentSpec kSteps[]{{"last", whole, "how many", 256, 256}};
+inline constexpr ArgumentSpec kSteps[]{{"last", whole, "how many", kMostSteps, kMostSteps}};
 inline constexpr ArgumentSpec kSampled[]{
     {"since", whole, "sequence of the last one known; absent: all that are kept, 64", 0, kMostExact}};
 inline constexpr ArgumentSpec kRecording[]{
@@ -233,7 +233,7 @@ inline constexpr ArgumentSpec kSurface[]{
     {"edges", truth, "with them"},
     {"crease_cosine", number, "-1 to 1; an edge is a crease beyond this cosine of the angle between its normals", 0.5}};
 inline constexpr ArgumentSpec kMore[]{{"transfer", whole, "its number"},
-                                      {"first", whole, "byte", 0, std::uint64_t{512} << 20}};
+                                      {"first", whole, "byte", 0, kMaxGeometryBytes}};
 
 }  // namespace arguments
 

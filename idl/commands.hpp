@@ -96,6 +96,7 @@ inline constexpr const char* kFigures = "figures";
 ///    candidates (pairs), exact_tests, contacts, events}]. The stages have clock readings of their own; whole_ns is
 ///    measured apart
 inline constexpr const char* kSteps = "steps";
+inline constexpr std::uint64_t kMostSteps = 256;
 
 /// Some of the questions that other clients ask, at most 20 a second: from the first call on they are sampled, and two seconds
 /// after the last one no longer.
@@ -200,7 +201,8 @@ inline constexpr std::uint64_t kMostMenuQuestions = 10'000;
 inline constexpr const char* kMenu = "menu";
 
 /// The commands of viewers. Their answers are no JSON but FlatBuffers of idl/geometry.fbs. All but that of kPoses come
-/// as a Page, the first of as many as the answer needs; kMore asks for the others. An answer above 512 MiB is refused.
+/// as a Page, the first of as many as the answer needs; kMore asks for the others. A longer answer is refused.
+inline constexpr std::uint64_t kMaxGeometryBytes = std::uint64_t{512} << 20;
 
 /// -> Page of ShownObjects
 inline constexpr const char* kShapes = "shapes";

@@ -1,5 +1,6 @@
 #include <nlohmann/json.hpp>
 
+#include "idl/command_table.hpp"
 #include "tests/service/server_fixture.hpp"
 
 namespace collided {
@@ -83,6 +84,17 @@ TEST_F(ServerCommands, AMenuIsOfAsManyQuestionsAsWereAskedFor) {
     EXPECT_GT(row["p50_ns"], 0) << row;
     EXPECT_GE(row["p99_ns"], row["p50_ns"]) << row;
   }
+}
+
+// So each command of the table has a handler.
+TEST_F(ServerCommands, EachCommandRefusesAnArgumentThatItDoesNotTake) {
+  start();
+  Client client = connect();
+  for (const auto& spec : wire_contract::command::kCommands) {
+    const std::string name = spec.name;
+    EXPECT_EQ(refusal(client, name, {{"zzzzzzz", 1}}), "server refused: " + name + ": unknown argument 'zzzzzzz'");
+  }
+  EXPECT_EQ(refusal(client, "lst", json::object()), "server refused: unknown command 'lst'; did you mean 'list'?");
 }
 
 TEST_F(ServerCommands, RefusalsNameWhatIsNear) {

@@ -2,8 +2,7 @@
 
 #include <algorithm>
 
-#include "idl/commands.hpp"
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/object_commands.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 
@@ -24,7 +23,7 @@ json pose_json(const Pose& pose) {
 
 }  // namespace
 
-json Commands::attach(const CommandAsk& ask, const Arguments& arguments) {
+json ObjectCommands::attach(const CommandAsk& ask, const Arguments& arguments) {
   World& world = with_.loop.world();
   const ObjectId child = find_object(arguments.text("child"));
   const ObjectId parent = find_object(arguments.text("parent"));
@@ -63,7 +62,7 @@ json Commands::attach(const CommandAsk& ask, const Arguments& arguments) {
 }
 
 /// Keeps that a child is free, and where it is.
-void Commands::keep_detached(const std::string& child) {
+void ObjectCommands::keep_detached(const std::string& child) {
   const World& world = with_.loop.world();
   const std::optional<ObjectId> id = world.find(child);
   if (with_.durable != nullptr) with_.durable->detached(child);
@@ -72,11 +71,11 @@ void Commands::keep_detached(const std::string& child) {
   const json again{
       {"command", names::kMove}, {"name", child}, {"pose", pose_json(state->poses[slot_of(*id)])}, {"teleport", true}};
   const CommandAsk ask{0, 0, again.dump(), {}};
-  tell_flight_recorder(ask);
+  answers_.tell_flight_recorder(ask);
   if (with_.durable != nullptr) with_.durable->object_moved(world.info(*id)->rare->scene, child, ask);
 }
 
-json Commands::detach(const CommandAsk& ask, const Arguments& arguments) {
+json ObjectCommands::detach(const CommandAsk& ask, const Arguments& arguments) {
   World& world = with_.loop.world();
   const ObjectId child = find_object(arguments.text("child"));
   const AttachedObject* attached = world.attachments().find(child);
@@ -92,7 +91,7 @@ json Commands::detach(const CommandAsk& ask, const Arguments& arguments) {
 }
 
 /// Says of attachments that they ended, and keeps that. Returns the names of what was attached and is still there.
-json Commands::note_ended_attachments() {
+json ObjectCommands::note_ended_attachments() {
   json detached = json::array();
   for (const EndedAttachment& ended : with_.loop.world().take_ended_attachments()) {
     with_.loop.say(fmt::format("object {} is no longer attached to {}: {} was removed", printable(ended.child),
@@ -107,13 +106,19 @@ json Commands::note_ended_attachments() {
   return detached;
 }
 
-bool Commands::waits_for_parent(const CommandAsk& ask) const {
-  const Arguments arguments(ask.text);
-  return arguments.command() == names::kAttach && !with_.loop.world().find(arguments.text("parent"));
+bool ObjectCommands::put_off(const CommandAsk& ask, const Arguments& arguments) {
+  if (arguments.command() != names::kAttach || with_.loop.world().find(arguments.text("parent"))) return false;
+  parted_.push_back(ask);
+  return true;
+}
+
+void ObjectCommands::look_for_gone() {
+  static_cast<void>(note_ended_attachments());
+  attach_again();
 }
 
 /// Attaches again what a crash has parted, where the parent may still have to come back with its publisher.
-void Commands::attach_again() {
+void ObjectCommands::attach_again() {
   const bool is_last_try = !with_.loop.recovering();
   std::erase_if(parted_, [&](const CommandAsk& ask) {
     if (!with_.durable->is_due(ask.request)) return true;
@@ -121,7 +126,7 @@ void Commands::attach_again() {
     const World& world = with_.loop.world();
     const bool are_there = world.find(arguments.text("child")) && world.find(arguments.text("parent"));
     if (!are_there && !is_last_try) return false;
-    answer_once_kept(ask, [&] { return attach(ask, arguments); });
+    answers_.answer_once_kept(ask, [&] { return attach(ask, arguments); });
     return true;
   });
 }

@@ -1,9 +1,8 @@
 #include <fmt/format.h>
 
 #include "server/geometry/mesh.hpp"
-#include "server/service/commands/awaited_jobs-inl.hpp"
 #include "server/service/commands/certificate_encoding.hpp"
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/measuring_commands.hpp"
 #include "server/service/questions/group_names.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
@@ -82,17 +81,17 @@ std::vector<ObjectId> group_of(const Snapshot& state, const std::string& text, c
 }  // namespace
 
 /// Finds what the command names; throws BadCommand.
-Commands::AskedGroups Commands::asked_groups(const AwaitedJob& job) const {
-  if (stopping_.load()) throw BadCommand("clearance: the server is stopping");
+MeasuringCommands::AskedGroups MeasuringCommands::asked_groups(const AwaitedJob& job) const {
+  if (threads_.are_stopping()) throw BadCommand("clearance: the server is stopping");
   const Arguments arguments(job.ask.text);
-  AskedGroups asked{.newest = with_.loop.world().newest(), .past = nullptr, .options = clearance_options_of(arguments)};
+  AskedGroups asked{{.newest = with_.loop.world().newest()}, clearance_options_of(arguments)};
   asked.past = past_state(arguments, *asked.newest);
   asked.options.deadline_ns = job.deadline_ns;
   asked.options.called_off = &job.called_off;
   if (arguments.truth("progress")) {
     asked.options.progress = [this, whose = CommandAsk{job.ask.client, job.ask.request, {}, {}}](double fraction) {
-      answering_->send_text(whose.client, whose.request, ReplyStatus::progress,
-                            fmt::format("{{\"fraction\": {:.4f}}}", fraction));
+      answers_.answering().send_text(whose.client, whose.request, ReplyStatus::progress,
+                                     fmt::format("{{\"fraction\": {:.4f}}}", fraction));
     };
   }
   const std::string from = arguments.text("from");
@@ -112,7 +111,7 @@ Commands::AskedGroups Commands::asked_groups(const AwaitedJob& job) const {
   return asked;
 }
 
-json Commands::measured(const AskedGroups& asked) const {
+json MeasuringCommands::measured(const AskedGroups& asked) const {
   const Snapshot& state = asked.state();
   const GroupClearance found = clearance_of(state, asked.options, with_.part_meshes);
   json answer{{"answer", word_of(found.touches)},
@@ -131,9 +130,9 @@ json Commands::measured(const AskedGroups& asked) const {
   return answer;
 }
 
-void Commands::clearance_later(CommandAsk ask, const Arguments& arguments) {
+void MeasuringCommands::clearance_later(CommandAsk ask, const Arguments& arguments) {
   static_cast<void>(clearance_options_of(arguments));  // a wrong one is refused at once
-  in_turn(std::move(ask), arguments, "clearance", &Commands::asked_groups, &Commands::measured);
+  in_turn(std::move(ask), arguments, "clearance", &MeasuringCommands::asked_groups, &MeasuringCommands::measured);
 }
 
 }  // namespace collided::engine::service

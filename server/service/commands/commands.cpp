@@ -5,6 +5,8 @@
 
 #include <array>
 #include <cassert>
+#include <chrono>
+#include <future>
 #include <iterator>
 #include <string>
 #include <vector>
@@ -12,85 +14,43 @@
 #include "idl/command_table.hpp"
 #include "server/service/questions/nearest_word.hpp"
 #include "server/service/questions/validation.hpp"
-#include "server/service/runtime/named_thread.hpp"
 
 namespace collided::engine::service {
 
 using nlohmann::json;
-using wire_contract::ReplyStatus;
 namespace names = wire_contract::command;
 
 Commands::Commands(const Collaborators& with, const std::string& uploads)
-    : with_(with),
-      slow_jobs_(kMostSlowJobs),
-      pair_jobs_(kMostPairJobs),
-      costly_jobs_(kMostPairJobs),
-      geometry_(with.loop.world(), [this](const CommandAsk& ask, ReplyStatus status,
-                                          std::string text) { send(ask, status, std::move(text)); }),
-      uploads_(
-          uploads, with.durable != nullptr ? with.durable->commands_left() : std::vector<CommandAsk>(),
-          [this](const CommandAsk& ask, ReplyStatus status, std::string text) { send(ask, status, std::move(text)); },
-          [this](CommandAsk ask, const std::string& path, std::uint32_t checksum) {
-            load_upload(std::move(ask), path, checksum);
-          }) {
-  for (const auto& family : {object_commands(), scene_commands(), rule_commands(), probe_commands(), fence_commands(),
-                             measuring_commands(), shard_commands(), server_commands(), geometry_.commands()}) {
-    for (const BoundCommand& handler : family) handlers_.emplace(handler.name, handler);
-  }
-  assert(handlers_.size() == std::size(names::kCommands) && "a command of the table has no handler");
-  const auto work = [](const char* name, auto& jobs) {
-    return named_thread(name, [&jobs] {
-      while (std::optional<SlowJob> job = jobs.pop()) (*job)();
-    });
+    : context_(with), loads_(context_, uploads), geometry_(with.loop.world(), context_.answers) {
+  for (const auto& family : {fence_commands, measuring_commands, probe_commands, recording_commands, rule_commands,
+                             sampled_commands, server_commands, shard_commands})
+    others_.push_back(family(context_));
+  const auto bind = [this](std::vector<BoundCommand> commands) {
+    for (BoundCommand& command : commands) handlers_.emplace(command.name, std::move(command));
   };
-  slow_thread_ = work("loads", slow_jobs_);
-  pair_thread_ = work("pairs", pair_jobs_);
-  costly_thread_ = work("costly pairs", costly_jobs_);
+  bind(objects_.commands());
+  bind(loads_.commands());
+  bind(geometry_.commands());
+  for (const auto& family : others_) bind(family->commands());
+  assert(handlers_.size() == std::size(names::kCommands) && "a command of the table has no handler");
 }
 
 Commands::~Commands() { stop(); }
 
 void Commands::stop() {
-  stopping_.store(true);
-  // Waits for the calls of run() that passed the check before; later ones see stopping_ and refuse.
+  context_.threads.begin_stop();
+  // Waits for the calls of run() that passed the check before; later ones see that it stops and refuse.
   { const std::unique_lock alone(gate_); }
   geometry_.stop();
-  uploads_.stop();
-  end_awaited();
-  slow_jobs_.close();
-  if (slow_thread_.joinable()) slow_thread_.join();
-  pair_jobs_.close();
-  if (pair_thread_.joinable()) pair_thread_.join();
-  // Closed only now: the thread for pairs may have passed one on until it ended.
-  costly_jobs_.close();
-  if (costly_thread_.joinable()) costly_thread_.join();
-  forget_recordings();
+  loads_.stop();
+  for (const auto& family : others_) family->stop();
+  context_.threads.stop();
+  for (const auto& family : others_) family->forget();
 }
 
-/// Sends the result of the work, or the refusal that it threw.
-void Commands::answer(const CommandAsk& ask, const std::function<json()>& work) {
-  const auto refuse = [&](const std::string& error, const std::string& hint) {
-    send(ask, ReplyStatus::refused, refusal_text(error, hint));
-  };
-  try {
-    send(ask, ReplyStatus::ok, work().dump(-1, ' ', false, json::error_handler_t::replace));
-  } catch (const BadCommand& bad) { refuse(bad.what(), bad.hint); } catch (const std::bad_alloc&) {
-    // On the world's thread half of a change may be in the world by now: the caller ends the process.
-    if (with_.loop.runs_here()) throw;
-    refuse("not enough memory", "");
-  } catch (const std::exception& failed) { refuse(failed.what(), ""); }
-}
-
-/// Sends an answer to the client. A command that is carried out again has none: its refusal is a loss, and reported in
-/// the log.
-void Commands::send(const CommandAsk& ask, ReplyStatus status, std::string text) {
-  if (ask.client != 0) return answering_->send_text(ask.client, ask.request, status, std::move(text));
-  if (ask.request == 0) return answer_followed(status, text);
-  if (status != ReplyStatus::refused) return;
-  const json refusal = json::parse(text, nullptr, false);
-  if (with_.durable != nullptr && refusal.is_object())
-    with_.durable->not_restored(ask.request, refusal.value("error", text));
-  with_.loop.say("what was added before the crash cannot be added again: " + text);
+void Commands::look_for_gone() {
+  objects_.look_for_gone();
+  for (const auto& family : others_) family->look_for_gone();
 }
 
 /// What the keys of whoever sent the command do not allow, or no replica does; empty where it is allowed.
@@ -127,18 +87,17 @@ const BoundCommand& Commands::handler_of(const Arguments& arguments) const {
 void Commands::run(CommandAsk ask) {
   // Held until the command is handed on, so that stop() does not end a thread under it.
   const std::shared_lock on_its_way(gate_);
-  if (stopping_.load())
-    return send(ask, ReplyStatus::refused, refusal_text("the server is stopping. Nothing was done"));
+  if (context_.threads.are_stopping()) return answers_.refuse(ask, "the server is stopping. Nothing was done");
   const CommandAsk whose{ask.client, ask.request, {}, {}};  // the command itself is handed on
   try {
     const Arguments arguments(ask.text);
     if (const std::string reason = why_not_allowed(ask, arguments); !reason.empty())
-      return send(ask, ReplyStatus::refused, refusal_text(reason));
+      return answers_.refuse(ask, reason);
     const BoundCommand& handler = handler_of(arguments);
     if (handler.hand_on) return handler.hand_on(std::move(ask), arguments);
     if (handler.is_on_world_thread) return queue_for_world(std::move(ask), handler, arguments);
-    answer(ask, [&] { return handler.work(ask, arguments); });
-  } catch (const BadCommand& bad) { send(whose, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }
+    answers_.answer(ask, [&] { return handler.work(ask, arguments); });
+  } catch (const BadCommand& bad) { answers_.refuse(whose, bad); }
 }
 
 /// Has the world's thread carry out a command. A change is answered once it is on the disk; one that looks is answered
@@ -147,13 +106,80 @@ void Commands::queue_for_world(CommandAsk ask, const BoundCommand& handler, cons
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
   const bool is_change = arguments.spec()->changes_world();
   const bool is_durable = arguments.is_durable();
-  once_there_is_room(*shared, is_durable && is_change, [this, shared, &handler, is_change, is_durable] {
+  answers_.once_there_is_room(*shared, is_durable && is_change, [this, shared, &handler, is_change, is_durable] {
     const bool taken = with_.inbox.push_job([this, shared, &handler, is_change, is_durable] {
       const auto work = [&] { return handler.work(*shared, Arguments(shared->text)); };
-      is_change ? answer_once_kept(*shared, work, is_durable) : answer(*shared, work);
+      is_change ? answers_.answer_once_kept(*shared, work, is_durable) : answers_.answer(*shared, work);
     });
-    if (!taken) { send(*shared, ReplyStatus::refused, refusal_text("too many commands wait already", "ask again")); }
+    if (!taken) answers_.refuse(*shared, "too many commands wait already", "ask again");
   });
+}
+
+std::string Commands::follow(CommandAsk ask) {
+  std::future<std::string> refusal = answers_.followed();
+  const CommandAsk followed = ask;
+  try {
+    const Arguments arguments(ask.text);
+    const BoundCommand& handler = handler_of(arguments);
+    if (arguments.command() == names::kLoad) {
+      loads_.load_now(std::move(ask), arguments);
+    } else {
+      if (!handler.is_on_world_thread) return "the command changes nothing";
+      const bool taken = with_.inbox.push_job([this, &handler, ask = std::move(ask)] {
+        answers_.answer_once_kept(ask, [&] { return handler.work(ask, Arguments(ask.text)); });
+      });
+      if (!taken) return "too many commands wait already";
+    }
+  } catch (const BadCommand& bad) { return bad.what(); }
+  constexpr std::chrono::milliseconds kLook{50};
+  while (!context_.threads.are_stopping()) {
+    if (refusal.wait_for(kLook) != std::future_status::ready) continue;
+    const std::string why = refusal.get();
+    if (why.empty()) answers_.tell_flight_recorder(followed);
+    return why;
+  }
+  return "the server is stopping";
+}
+
+/// Loads the scenes on the thread for slow work, then adds, moves and probes on the world's, as some need those scenes.
+void Commands::replay(const std::vector<CommandAsk>& asks) {
+  if (asks.empty()) return;
+  replaying_.store(true);
+  context_.threads.push_slow([this, asks] {
+    std::vector<CommandAsk> others;
+    for (const CommandAsk& ask : asks) {
+      if (!with_.durable->is_due(ask.request)) continue;
+      answers_.tell_flight_recorder(ask);
+      try {
+        const Arguments arguments(ask.text);
+        if (arguments.command() == names::kLoad) {
+          static_cast<void>(handler_of(arguments));
+          loads_.load_now(ask, arguments);
+        } else if (arguments.command() == names::kClear) {
+          with_.inbox.push_own_job([this, ask] { replay_on_world_thread({ask}); });
+        } else {
+          others.push_back(ask);
+        }
+      } catch (const BadCommand& bad) { answers_.refuse(ask, bad); }
+    }
+    with_.inbox.push_own_job([this, others] {
+      replay_on_world_thread(others);
+      with_.durable->note_restored();
+      replaying_.store(false);
+    });
+  });
+}
+
+void Commands::replay_on_world_thread(const std::vector<CommandAsk>& asks) {
+  for (const CommandAsk& ask : asks) {
+    if (!with_.durable->is_due(ask.request)) continue;
+    const Arguments arguments(ask.text);
+    if (objects_.put_off(ask, arguments)) continue;
+    answers_.answer_once_kept(ask, [&]() -> json {
+      const BoundCommand& handler = handler_of(arguments);
+      return objects_.is_removed_already(arguments) ? json::object() : handler.work(ask, arguments);
+    });
+  }
 }
 
 }  // namespace collided::engine::service

@@ -4,8 +4,7 @@
 #include <fmt/format.h>
 
 #include "idl/answers/explanation.hpp"
-#include "server/service/commands/awaited_jobs-inl.hpp"
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/measuring_commands.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/explain/event_explanation.hpp"
@@ -17,7 +16,6 @@ namespace collided::engine::service {
 
 using nlohmann::json;
 using std::chrono::nanoseconds;
-using wire_contract::ReplyStatus;
 
 namespace {
 
@@ -105,19 +103,21 @@ ExplainedNearest as_nearest(ExplainedFence told, const FenceLook& look) {
 
 /// What it is about is said by the argument that there is: a ray, a fence, a question for the nearest, an event, or the two of
 /// a pair.
-void Commands::explain_later(CommandAsk ask, const Arguments& arguments) {
+void MeasuringCommands::explain_later(CommandAsk ask, const Arguments& arguments) {
   if (arguments.has("fence") || arguments.has("nearest")) return explain_fence_later(std::move(ask));
   if (arguments.has("ray"))
-    return in_turn(std::move(ask), arguments, "explain", &Commands::asked_ray, &Commands::explained_ray);
+    return in_turn(std::move(ask), arguments, "explain", &MeasuringCommands::asked_ray,
+                   &MeasuringCommands::explained_ray);
   if (arguments.has("event"))
-    return in_turn(std::move(ask), arguments, "explain", &Commands::asked_event, &Commands::explained_event);
+    return in_turn(std::move(ask), arguments, "explain", &MeasuringCommands::asked_event,
+                   &MeasuringCommands::explained_event);
   static_cast<void>(arguments.whole("last_ns"));  // a wrong one is refused at once
-  in_turn(std::move(ask), arguments, "explain", &Commands::asked_explanation, &Commands::explained);
+  in_turn(std::move(ask), arguments, "explain", &MeasuringCommands::asked_explanation, &MeasuringCommands::explained);
 }
 
 // ---- two objects ---------------------------------------------------------------------------------------------------
 
-Commands::AskedPair Commands::asked_explanation(const AwaitedJob& job) const {
+MeasuringCommands::AskedPair MeasuringCommands::asked_explanation(const AwaitedJob& job) const {
   AskedPair asked = asked_pair(job);
   const Arguments arguments(job.ask.text);
   const std::uint64_t last_ns = arguments.whole("last_ns");
@@ -127,7 +127,7 @@ Commands::AskedPair Commands::asked_explanation(const AwaitedJob& job) const {
   return asked;
 }
 
-json Commands::explained(const AskedPair& asked) const {
+json MeasuringCommands::explained(const AskedPair& asked) const {
   json answer = examined(asked);  // first, since the search for the least distance may take all of the time
   ExplainedPair told{.why_not = why_not_meeting(asked.state(), asked.a, asked.b),
                      .attached = attached_of(asked.state(), asked.a, asked.b)};
@@ -151,10 +151,10 @@ json Commands::explained(const AskedPair& asked) const {
 // ---- a ray ---------------------------------------------------------------------------------------------------------
 
 /// Finds what the command names; throws BadCommand.
-Commands::AskedRay Commands::asked_ray(const AwaitedJob& job) const {
-  if (stopping_.load()) throw BadCommand("the server is stopping");
+MeasuringCommands::AskedRay MeasuringCommands::asked_ray(const AwaitedJob& job) const {
+  if (threads_.are_stopping()) throw BadCommand("the server is stopping");
   const Arguments arguments(job.ask.text);
-  AskedRay asked{.newest = with_.loop.world().newest(), .past = nullptr};
+  AskedRay asked{{.newest = with_.loop.world().newest()}};
   asked.past = past_state(arguments, *asked.newest);
   asked.options.numbers = ray_numbers(arguments);
   asked.options.mask = arguments.whole_32("mask");
@@ -170,7 +170,7 @@ Commands::AskedRay Commands::asked_ray(const AwaitedJob& job) const {
   return asked;
 }
 
-json Commands::explained_ray(const AskedRay& asked) const {
+json MeasuringCommands::explained_ray(const AskedRay& asked) const {
   Deadline deadline(asked.deadline_ns, asked.called_off);
   return json_of(explain_ray(asked.state(), asked.options, with_.part_meshes, deadline));
 }
@@ -178,13 +178,13 @@ json Commands::explained_ray(const AskedRay& asked) const {
 // ---- a fence, and the nearest --------------------------------------------------------------------------------------
 
 /// The world's thread says who is in the fence; how far in is worked out on the thread for costly pairs.
-void Commands::explain_fence_later(CommandAsk ask) {
+void MeasuringCommands::explain_fence_later(CommandAsk ask) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
   if (!with_.inbox.push_job([this, shared] { explain_fence_of(*shared); }))
-    send(*shared, ReplyStatus::refused, refusal_text("too many commands wait already", "ask again"));
+    answers_.refuse(*shared, "too many commands wait already", "ask again");
 }
 
-void Commands::explain_fence_of(const CommandAsk& ask) {
+void MeasuringCommands::explain_fence_of(const CommandAsk& ask) {
   try {
     const Arguments arguments(ask.text);
     const bool is_fence = arguments.has("fence");
@@ -197,15 +197,15 @@ void Commands::explain_fence_of(const CommandAsk& ask) {
       throw BadCommand(fmt::format("{} is a margin, no fence", printable(name)), "collide margin ls");
     if (!*look) throw BadCommand(fmt::format("no fence {}", printable(name)), "collide fence ls");
     const auto job = await(ask, arguments);
-    push_fairly("explain", costly_jobs_, {.client = ask.client, .cost = kFenceCost}, [this, job, look] {
+    threads_.push_costly("explain", {.client = ask.client, .cost = kFenceCost}, [this, job, look] {
       if (!is_wanted(*job)) return;
-      answer(job->ask, [&] { return finished(*job, [&] { return explained_fence(**look, *job); }); });
+      answers_.answer(job->ask, [&] { return finished(*job, [&] { return explained_fence(**look, *job); }); });
     });
-  } catch (const BadCommand& bad) { send(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint)); }
+  } catch (const BadCommand& bad) { answers_.refuse(ask, bad); }
 }
 
-json Commands::explained_fence(const FenceLook& look, const AwaitedJob& job) const {
-  if (stopping_.load()) throw BadCommand("the server is stopping");
+json MeasuringCommands::explained_fence(const FenceLook& look, const AwaitedJob& job) const {
+  if (threads_.are_stopping()) throw BadCommand("the server is stopping");
   const Arguments arguments(job.ask.text);
   const SnapshotRing::Lease state = with_.loop.world().newest();
   FenceExplanationAsk ask{.most_outside = arguments.whole("most")};
@@ -221,8 +221,8 @@ json Commands::explained_fence(const FenceLook& look, const AwaitedJob& job) con
 // ---- an event ------------------------------------------------------------------------------------------------------
 
 /// Finds what the command names; throws BadCommand.
-Commands::AskedEvent Commands::asked_event(const AwaitedJob& job) const {
-  if (stopping_.load()) throw BadCommand("the server is stopping");
+MeasuringCommands::AskedEvent MeasuringCommands::asked_event(const AwaitedJob& job) const {
+  if (threads_.are_stopping()) throw BadCommand("the server is stopping");
   const Arguments arguments(job.ask.text);
   const std::string of = arguments.text("of", "contacts");
   if (of != "contacts" && of != "fences")
@@ -246,7 +246,7 @@ Commands::AskedEvent Commands::asked_event(const AwaitedJob& job) const {
           .cost = kEventCost + kEventCostPerObject * objects};
 }
 
-json Commands::explained_event(const AskedEvent& asked) const {
+json MeasuringCommands::explained_event(const AskedEvent& asked) const {
   Deadline deadline(asked.deadline_ns, asked.called_off);
   const auto name_of = [&](std::uint64_t publisher) { return with_.loop.publisher_name(publisher); };
   ExplainedEvent told = explain_event(with_.loop.world().memory(), asked.recent, asked.is_of_fence,

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <array>
 
-#include "idl/commands.hpp"
 #include "idl/glob.hpp"
 #include "idl/packed_fences.hpp"
 #include "server/intake/scene_file/scene_file.hpp"
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/fence_commands.hpp"
 #include "server/service/commands/fence_prism.hpp"
-#include "server/service/commands/nearest_definition.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/fences/fence_outline.hpp"
@@ -161,12 +159,16 @@ std::uint64_t matching_parts(const FenceDefinition& margin, const Snapshot& stat
 
 }  // namespace
 
-std::vector<BoundCommand> Commands::fence_commands() {
-  return {on_world_thread(names::kFence, this, &Commands::fence),
-          on_world_thread(names::kFences, this, &Commands::fences)};
+std::unique_ptr<CommandFamily> fence_commands(CommandContext& context) {
+  return std::make_unique<FenceCommands>(context);
 }
 
-json Commands::fence(const CommandAsk& ask, const Arguments& arguments) {
+std::vector<BoundCommand> FenceCommands::commands() {
+  return {on_world_thread(names::kFence, this, &FenceCommands::fence),
+          on_world_thread(names::kFences, this, &FenceCommands::fences)};
+}
+
+json FenceCommands::fence(const CommandAsk& ask, const Arguments& arguments) {
   if (arguments.truth("remove")) return remove_fences(ask, arguments);
   std::vector<CommandAsk> asks;
   if (arguments.has("many")) {
@@ -211,7 +213,7 @@ json Commands::fence(const CommandAsk& ask, const Arguments& arguments) {
   return answer;
 }
 
-void Commands::add_fence(const CommandAsk& ask, const Arguments& arguments) {
+void FenceCommands::add_fence(const CommandAsk& ask, const Arguments& arguments) {
   FenceDefinition definition = fence_of(arguments, ask.blob);
   if (!arguments.truth("keep")) definition.owner = ask.client;
   if (ask.from.peer && !ask.from.peer->may_name(definition.name))
@@ -221,7 +223,7 @@ void Commands::add_fence(const CommandAsk& ask, const Arguments& arguments) {
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
 }
 
-json Commands::remove_fences(const CommandAsk& ask, const Arguments& arguments) {
+json FenceCommands::remove_fences(const CommandAsk& ask, const Arguments& arguments) {
   const std::string glob = arguments.text("name");
   std::vector<std::string> chosen;
   if (arguments.truth("margins")) {
@@ -237,7 +239,7 @@ json Commands::remove_fences(const CommandAsk& ask, const Arguments& arguments) 
   return {{"fences", chosen}, {"version", with_.loop.world().newest()->version}};
 }
 
-void Commands::remove_fences(const std::vector<std::string>& chosen) {
+void FenceCommands::remove_fences(const std::vector<std::string>& chosen) {
   std::vector<std::string> kept;
   for (const std::string& name : chosen) {
     for_each_standing(name, [&](const FenceTable& table, std::uint32_t slot) {
@@ -252,11 +254,10 @@ void Commands::remove_fences(const std::vector<std::string>& chosen) {
   if (!chosen.empty()) step();
 }
 
-/// Removes the fences of clients that have gone.
-void Commands::drop_fences_of_gone() {
+void FenceCommands::look_for_gone() {
   std::set<std::uint64_t> gone;
   for (const std::uint64_t client : fence_owners_) {
-    if (!answering_->knows(client)) gone.insert(client);
+    if (!answers_.answering().knows(client)) gone.insert(client);
   }
   if (gone.empty()) return;
   std::vector<std::string> chosen;
@@ -269,13 +270,12 @@ void Commands::drop_fences_of_gone() {
   remove_fences(chosen);
   for (const std::uint64_t client : gone) {
     fence_owners_.erase(client);
-    answering_->send_farewell(client);
+    answers_.answering().send_farewell(client);
   }
 }
 
 /// The same for fences alone.
-void Commands::for_each_fence(const std::string& glob,
-                              FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const {
+void FenceCommands::for_each_fence(const std::string& glob, Visit visit) const {
   for_each_standing(glob, [&](const FenceTable& table, std::uint32_t slot) {
     if (!table.is_nearest(slot)) visit(table, slot);
   });
@@ -283,8 +283,7 @@ void Commands::for_each_fence(const std::string& glob,
 
 /// Calls visit(table, slot) for the fences and the questions for the nearest whose names match the glob, but not for
 /// bands; a name without * ? [ is looked up.
-void Commands::for_each_standing(const std::string& glob,
-                                 FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const {
+void FenceCommands::for_each_standing(const std::string& glob, Visit visit) const {
   const Fences* fences = with_.loop.world().fences();
   if (fences == nullptr) return;
   const FenceTable& table = fences->table();
@@ -300,8 +299,7 @@ void Commands::for_each_standing(const std::string& glob,
 }
 
 /// The same for the bands of the margins of such a name, but for those of contact.
-void Commands::for_each_band(const std::string& glob,
-                             FunctionRef<void(const FenceTable& table, std::uint32_t slot)> visit) const {
+void FenceCommands::for_each_band(const std::string& glob, Visit visit) const {
   const FenceTable& table = with_.loop.world().fences()->table();
   for (std::uint32_t slot = 0; slot < table.size(); ++slot) {
     if (!table.holds(slot) || !table.is_band(slot) || table.rule(slot).band->within_m == 0) continue;
@@ -309,7 +307,8 @@ void Commands::for_each_band(const std::string& glob,
   }
 }
 
-void Commands::for_each_margin(const std::string& glob, FunctionRef<void(const FenceDefinition& margin)> visit) const {
+void FenceCommands::for_each_margin(const std::string& glob,
+                                    FunctionRef<void(const FenceDefinition& margin)> visit) const {
   const Fences* fences = with_.loop.world().fences();
   if (fences == nullptr) return;
   for (const auto& [name, margin] : fences->margins()) {
@@ -317,7 +316,7 @@ void Commands::for_each_margin(const std::string& glob, FunctionRef<void(const F
   }
 }
 
-json Commands::margins(const Arguments& arguments) {
+json FenceCommands::margins(const Arguments& arguments) {
   struct NarrowestBand {
     std::string object;
     std::string around;
@@ -363,7 +362,7 @@ json Commands::margins(const Arguments& arguments) {
   return {{"margins", rows}, {"count", rows.size()}, {"version", world.newest()->version}};
 }
 
-json Commands::fences(const Arguments& arguments) {
+json FenceCommands::fences(const Arguments& arguments) {
   constexpr std::uint64_t kMostOutlines = 1'000;
   if (arguments.truth("margins")) return margins(arguments);
   if (arguments.truth("nearest")) return nearest(arguments);

@@ -6,6 +6,7 @@
 #include <string>
 #include <string_view>
 
+#include "idl/commands.hpp"
 #include "server/service/commands/surface_numbers.hpp"
 #include "server/world/objects/snapshot.hpp"
 
@@ -14,7 +15,7 @@ namespace collided::engine::service {
 /// What viewers receive, as buffers of idl/geometry.fbs. Pure but for the numbers that surfaces are given; any thread
 /// may read any state. The work grows with the result, so the world's thread has no part in it.
 
-inline constexpr std::uint64_t kMaxGeometryBytes = std::uint64_t{512} << 20;  // of one buffer
+using wire_contract::command::kMaxGeometryBytes;
 inline constexpr std::uint64_t kMaxPosesReported = 400'000;
 
 /// The objects of a state for which wanted() is true, as ShownObjects. Throws BadCommand beyond kMaxGeometryBytes.

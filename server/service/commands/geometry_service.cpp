@@ -11,8 +11,8 @@ namespace collided::engine::service {
 namespace names = wire_contract::command;
 using wire_contract::ReplyStatus;
 
-GeometryService::GeometryService(const World& world, Send send)
-    : world_(world), send_(std::move(send)), jobs_(kMostJobs) {
+GeometryService::GeometryService(const World& world, CommandAnswers& answers)
+    : world_(world), answers_(answers), jobs_(kMostJobs) {
   thread_ = named_thread("geometry", [this] {
     while (std::optional<Job> job = jobs_.pop()) answer(job->ask, job->handler);
   });
@@ -41,10 +41,10 @@ std::vector<BoundCommand> GeometryService::commands() {
 void GeometryService::answer(const CommandAsk& ask, Handler handler) {
   try {
     if (stopping_.load()) throw BadCommand("the server is stopping");
-    send_(ask, ReplyStatus::ok, (this->*handler)(Arguments(ask.text)));
-  } catch (const BadCommand& bad) {
-    send_(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
-  } catch (const std::bad_alloc&) { send_(ask, ReplyStatus::refused, refusal_text("not enough memory")); }
+    answers_.send(ask, ReplyStatus::ok, (this->*handler)(Arguments(ask.text)));
+  } catch (const BadCommand& bad) { answers_.refuse(ask, bad); } catch (const std::bad_alloc&) {
+    answers_.refuse(ask, "not enough memory");
+  }
 }
 
 std::string GeometryService::poses(const Arguments&) { return encode_poses(*world_.newest()); }

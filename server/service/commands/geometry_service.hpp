@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "server/service/commands/bound_command.hpp"
+#include "server/service/commands/command_answers.hpp"
 #include "server/service/commands/geometry_encoding.hpp"
 #include "server/service/questions/answering.hpp"
 #include "server/service/runtime/work_queue.hpp"
@@ -22,15 +23,13 @@ namespace collided::engine::service {
 /// much waits.
 class GeometryService {
  public:
-  using Send = std::function<void(const CommandAsk&, wire_contract::ReplyStatus, std::string)>;
-  /// world  must outlive this
-  /// send   called from the thread of its own
-  GeometryService(const World& world, Send send);
+  /// world, answers  must outlive this
+  GeometryService(const World& world, CommandAnswers& answers);
   ~GeometryService() { stop(); }
   GeometryService(const GeometryService&) = delete;
   GeometryService& operator=(const GeometryService&) = delete;
 
-  /// The commands `shapes`, `surface` and `more`, which the thread of its own answers through `send`, and `poses`, which
+  /// The commands `shapes`, `surface` and `more`, which the thread of its own answers through `answers`, and `poses`, which
   /// the thread that asks does. They must not outlive this.
   std::vector<BoundCommand> commands();
   /// Refuses what waits, then ends the thread.
@@ -67,7 +66,7 @@ class GeometryService {
   void make_room(std::size_t byte_count);
 
   const World& world_;
-  Send send_;
+  CommandAnswers& answers_;
   SurfaceNumbers numbers_;
   std::list<Transfer> transfers_;  // the one whose last request is oldest comes first
   std::uint64_t newest_transfer_ = 0;

@@ -4,7 +4,7 @@
 #include <cstring>
 
 #include "idl/commands.hpp"
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/measuring_commands.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/audit/menu.hpp"
 
@@ -27,7 +27,7 @@ json described(const OpinionCounts& counts) {
 
 }  // namespace
 
-json Commands::audit() const {
+json MeasuringCommands::audit() const {
   const AuditCounts counts = with_.audit.counts();
   json questions = json::array();
   for (const QuestionKind kind : kPlainQuestions) {
@@ -43,15 +43,6 @@ json Commands::audit() const {
               {"questions", questions},       {"float_repairs", with_.counts.float_repairs.load()}};
   if (with_.audit.asks_fcl()) answer["opinion"] = described(counts.opinion);
   return answer;
-}
-
-void Commands::make_room(const char* what, const WorkQueue<SlowJob>& jobs) const {
-  if (!jobs.has_room()) throw BadCommand(fmt::format("{}: too many such commands wait already", what), "ask again");
-}
-
-void Commands::push_fairly(const char* what, FairQueue<SlowJob>& jobs, const Share& share, SlowJob job) {
-  if (!jobs.push(share, job))
-    throw BadCommand(fmt::format("{}: too many such commands wait already", what), "ask again");
 }
 
 namespace {
@@ -120,25 +111,30 @@ MenuOptions menu_options(const Arguments& arguments, const std::vector<std::byte
 
 }  // namespace
 
-std::vector<BoundCommand> Commands::measuring_commands() {
-  return {handed_on(names::kPair, this, &Commands::pair_later),
-          handed_on(names::kClearance, this, &Commands::clearance_later),
-          handed_on(names::kExplain, this, &Commands::explain_later),
-          handed_on(names::kMenu, this, &Commands::menu_later)};
+std::unique_ptr<CommandFamily> measuring_commands(CommandContext& context) {
+  return std::make_unique<MeasuringCommands>(context);
 }
 
-void Commands::menu_later(CommandAsk ask, const Arguments& arguments) {
+std::vector<BoundCommand> MeasuringCommands::commands() {
+  return {handed_on(names::kPair, this, &MeasuringCommands::pair_later),
+          handed_on(names::kClearance, this, &MeasuringCommands::clearance_later),
+          handed_on(names::kExplain, this, &MeasuringCommands::explain_later),
+          handed_on(names::kMenu, this, &MeasuringCommands::menu_later),
+          on_asking_thread(names::kAudit, this, &MeasuringCommands::audit)};
+}
+
+void MeasuringCommands::menu_later(CommandAsk ask, const Arguments& arguments) {
   MenuOptions options = menu_options(arguments, ask.blob);
-  make_room("menu", slow_jobs_);
+  threads_.require_room("menu");
   const auto job = await(std::move(ask), arguments);
-  options.cancelled = [this, job] { return stopping_.load() || job->is_over(); };
-  slow_jobs_.push([this, job, options = std::move(options)] {
-    if (!job->called_off.load()) answer(job->ask, [&] { return menu(options, *job); });
+  options.cancelled = [this, job] { return threads_.are_stopping() || job->is_over(); };
+  threads_.push_slow([this, job, options = std::move(options)] {
+    if (!job->called_off.load()) answers_.answer(job->ask, [&] { return menu(options, *job); });
   });
 }
 
 /// What there is by the deadline, and whether that is all.
-json Commands::menu(const MenuOptions& options, const AwaitedJob& job) const {
+json MeasuringCommands::menu(const MenuOptions& options, const AwaitedJob& job) const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
   json rows = json::array();
   for (const MenuRow& row : menu_of(*state, options)) { rows.push_back(described(row)); }

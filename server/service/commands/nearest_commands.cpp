@@ -3,9 +3,7 @@
 
 #include <map>
 
-#include "idl/commands.hpp"
-#include "server/service/commands/commands.hpp"
-#include "server/service/commands/nearest_definition.hpp"
+#include "server/service/commands/fence_commands.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/fences/fences.hpp"
@@ -38,7 +36,7 @@ FenceDefinition nearest_of(const Arguments& arguments) {
   return asked;
 }
 
-json Commands::nearest(const Arguments& arguments) {
+json FenceCommands::nearest(const Arguments& arguments) {
   const World& world = with_.loop.world();
   const std::uint64_t limit = arguments.whole("limit");
   std::map<ObjectId, const OpenContact*> open_of;

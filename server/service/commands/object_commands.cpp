@@ -7,7 +7,7 @@
 
 #include "server/intake/mesh/shape_scale.hpp"
 #include "server/intake/scene_file/scene_file.hpp"
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/object_commands.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/nearest_word.hpp"
 #include "server/service/questions/validation.hpp"
@@ -20,20 +20,20 @@ namespace collided::engine::service {
 using nlohmann::json;
 namespace names = wire_contract::command;
 
-std::vector<BoundCommand> Commands::object_commands() {
-  return {on_asking_thread(names::kList, this, &Commands::list),
-          on_world_thread(names::kGet, this, &Commands::get),
-          on_world_thread(names::kLeftOut, this, &Commands::left_out),
-          on_world_thread(names::kAdd, this, &Commands::add),
-          on_world_thread(names::kMove, this, &Commands::move),
-          on_world_thread(names::kRemove, this, &Commands::remove),
-          on_world_thread(names::kClear, this, &Commands::clear),
-          on_world_thread(names::kAttach, this, &Commands::attach),
-          on_world_thread(names::kDetach, this, &Commands::detach)};
+std::vector<BoundCommand> ObjectCommands::commands() {
+  return {on_asking_thread(names::kList, this, &ObjectCommands::list),
+          on_world_thread(names::kGet, this, &ObjectCommands::get),
+          on_world_thread(names::kLeftOut, this, &ObjectCommands::left_out),
+          on_world_thread(names::kAdd, this, &ObjectCommands::add),
+          on_world_thread(names::kMove, this, &ObjectCommands::move),
+          on_world_thread(names::kRemove, this, &ObjectCommands::remove),
+          on_world_thread(names::kClear, this, &ObjectCommands::clear),
+          on_world_thread(names::kAttach, this, &ObjectCommands::attach),
+          on_world_thread(names::kDetach, this, &ObjectCommands::detach)};
 }
 
 /// The object of that name, of which the newest snapshot is then sure to have a row.
-ObjectId Commands::find_object(const std::string& name) const {
+ObjectId ObjectCommands::find_object(const std::string& name) const {
   if (const std::optional<ObjectId> id = with_.loop.world().find(name)) {
     // Defined since the last step: a step puts it into the snapshot.
     const SnapshotRing::Lease state = with_.loop.world().newest();
@@ -47,27 +47,14 @@ ObjectId Commands::find_object(const std::string& name) const {
   throw BadCommand(unknown_object(name, others));
 }
 
-void Commands::refuse_if_live(const ObjectInfo& info) const {
+void ObjectCommands::refuse_if_live(const ObjectInfo& info) const {
   if (info.publisher == 0 || !with_.loop.publishers().is_live(info.publisher)) return;
   throw BadCommand(fmt::format("object {} belongs to publisher {}, which lives", printable(info.name),
                                printable(with_.loop.publisher_name(info.publisher))),
                    "its publisher moves and removes it");
 }
 
-/// Makes the change visible by a step; returns the new version.
-std::uint64_t Commands::step() {
-  with_.loop.note_change();
-  with_.loop.step_now();
-  return with_.loop.world().newest()->version;
-}
-
-std::uint32_t Commands::ended_count() const {
-  const auto& events = with_.loop.world().events();
-  return static_cast<std::uint32_t>(
-      std::count_if(events.begin(), events.end(), [](const Event& event) { return event.kind == EventKind::ended; }));
-}
-
-json Commands::list(const Arguments& arguments) const {
+json ObjectCommands::list(const Arguments& arguments) const {
   const bool has_bounds = arguments.truth("bounds");
   const std::string glob = arguments.text("name");
   const std::optional<bool> moving = arguments.truth_if_given("moving");
@@ -85,7 +72,7 @@ json Commands::list(const Arguments& arguments) const {
   return {{"objects", objects}, {"count", count}, {"version", state->version}};
 }
 
-json Commands::get(const Arguments& arguments) {
+json ObjectCommands::get(const Arguments& arguments) {
   const ObjectInfo& info = *with_.loop.world().info(find_object(arguments.text("name")));
   const SnapshotRing::Lease state = with_.loop.world().newest();
   json object = describe_briefly(*state, info, with_.loop.publisher_name(info.publisher));
@@ -109,7 +96,7 @@ json Commands::get(const Arguments& arguments) {
 }
 
 /// Objects that a publisher has sent and the world lacks.
-json Commands::left_out(const Arguments& arguments) {
+json ObjectCommands::left_out(const Arguments& arguments) {
   constexpr std::size_t kMost = 20;
   const std::uint64_t publisher = arguments.whole("publisher");
   json objects = json::array();
@@ -143,7 +130,7 @@ std::string declare_solid(ObjectDefinition& definition, SolidBy by) {
 
 }  // namespace
 
-json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
+json ObjectCommands::add(const CommandAsk& ask, const Arguments& arguments) {
   const Filter filter{
       .layers = arguments.whole_32("layers"), .mask = arguments.whole_32("mask"), .group = arguments.whole_32("group")};
   const std::string name = arguments.text("name");
@@ -173,7 +160,7 @@ json Commands::add(const CommandAsk& ask, const Arguments& arguments) {
   return answer;
 }
 
-json Commands::move(const CommandAsk& ask, const Arguments& arguments) {
+json ObjectCommands::move(const CommandAsk& ask, const Arguments& arguments) {
   World& world = with_.loop.world();
   const std::string name = arguments.text("name");
   const std::optional<Pose> pose = arguments.pose("pose");

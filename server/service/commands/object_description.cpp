@@ -93,6 +93,19 @@ json tiles_json(const TilesRead& tiles) {
   return {{"read", tiles.tiles}, {"of", tiles.tiles_of_file}, {"triangles_of_file", tiles.triangles_of_file}};
 }
 
+json covers_json(const std::vector<Aabb>& boxes) {
+  json list = json::array();
+  const auto number = [](double x) { return std::isinf(x) ? json(x > 0 ? "inf" : "-inf") : json(x); };
+  for (const Aabb& box : boxes) {
+    json corners = json::array();
+    for (const Vec3* corner : {&box.low, &box.high}) {
+      for (const double x : *corner) corners.push_back(number(x));
+    }
+    list.push_back(std::move(corners));
+  }
+  return list;
+}
+
 ObjectId find_shown(const Snapshot& state, const std::string& name) {
   std::vector<std::string_view> others;
   for (const auto& info : state.objects) {

@@ -3,6 +3,7 @@
 #include <nlohmann/json_fwd.hpp>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "server/world/objects/snapshot.hpp"
 
@@ -15,6 +16,9 @@ nlohmann::json numbers(const Quat& rotation);
 
 /// What is read of a file in tiles.
 nlohmann::json tiles_json(const TilesRead& tiles);
+
+/// Boxes as `load` takes them: [[low 3, high 3], ...], sides without end as "inf" and "-inf".
+nlohmann::json covers_json(const std::vector<Aabb>& boxes);
 
 /// The object of that name in the state; throws BadCommand with the nearest names.
 ObjectId find_shown(const Snapshot& state, const std::string& name);

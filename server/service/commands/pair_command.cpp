@@ -6,9 +6,8 @@
 #include <thread>
 
 #include "server/geometry/mesh.hpp"
-#include "server/service/commands/awaited_jobs-inl.hpp"
 #include "server/service/commands/certificate_encoding.hpp"
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/measuring_commands.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/nearest_word.hpp"
 #include "server/service/questions/validation.hpp"
@@ -18,7 +17,6 @@
 namespace collided::engine::service {
 
 using nlohmann::json;
-using wire_contract::ReplyStatus;
 
 namespace {
 
@@ -103,21 +101,22 @@ constexpr double kOpinionCost = 100'000;
 }  // namespace
 
 /// The state at the named instant; null for the latest. Throws BadCommand.
-std::shared_ptr<const Snapshot> Commands::past_state(const Arguments& arguments, const Snapshot& newest) const {
+std::shared_ptr<const Snapshot> MeasuringCommands::past_state(const Arguments& arguments,
+                                                              const Snapshot& newest) const {
   const std::string text = arguments.text("as_of");
   const std::optional<wire_contract::AskedInstant> instant = wire_contract::asked_instant(text);
   if (!instant) throw BadCommand(fmt::format("{}: as_of {} is no instant", arguments.command(), printable(text)));
   if (instant->kind == wire_contract::AskedInstant::Kind::latest) return nullptr;
-  auto past = answering_->past_states().at(*instant, newest);
+  auto past = answers_.answering().past_states().at(*instant, newest);
   if (const auto* why_not = std::get_if<std::string>(&past)) throw BadCommand(arguments.command() + ": " + *why_not);
   return std::get<std::shared_ptr<const Snapshot>>(std::move(past));
 }
 
 /// Finds what the command names; throws BadCommand.
-Commands::AskedPair Commands::asked_pair(const AwaitedJob& job) const {
-  if (stopping_.load()) throw BadCommand("the server is stopping");
+MeasuringCommands::AskedPair MeasuringCommands::asked_pair(const AwaitedJob& job) const {
+  if (threads_.are_stopping()) throw BadCommand("the server is stopping");
   const Arguments arguments(job.ask.text);
-  AskedPair asked{.newest = with_.loop.world().newest(), .past = nullptr};
+  AskedPair asked{{.newest = with_.loop.world().newest()}};
   asked.past = past_state(arguments, *asked.newest);
   asked.a = find_shown(asked.state(), arguments.text("a"));
   asked.b = find_shown(asked.state(), arguments.text("b"));
@@ -142,11 +141,11 @@ Commands::AskedPair Commands::asked_pair(const AwaitedJob& job) const {
   return asked;
 }
 
-json Commands::examined(const AskedPair& asked) const {
+json MeasuringCommands::examined(const AskedPair& asked) const {
   const PairReport report = report_pair(asked.state(), asked.a, asked.b, asked.options);
   json answer = described(report, asked.options);
   if (asked.is_fcl_asked) {
-    const auto cancelled = [this] { return stopping_.load(); };
+    const auto cancelled = [this] { return threads_.are_stopping(); };
     answer["opinion"] = described(fcl_opinion(asked.state(), asked.a, asked.b, report, cancelled));
   }
   answer["version"] = asked.state().version;
@@ -154,7 +153,7 @@ json Commands::examined(const AskedPair& asked) const {
 }
 
 /// A job that ends with its deadline, or with its client.
-std::shared_ptr<Commands::AwaitedJob> Commands::await(CommandAsk ask, const Arguments& arguments) {
+std::shared_ptr<MeasuringCommands::AwaitedJob> MeasuringCommands::await(CommandAsk ask, const Arguments& arguments) {
   const auto job = std::make_shared<AwaitedJob>();
   job->ask = std::move(ask);
   const auto within_ns = static_cast<std::int64_t>(arguments.whole("deadline_ns"));
@@ -165,17 +164,18 @@ std::shared_ptr<Commands::AwaitedJob> Commands::await(CommandAsk ask, const Argu
 }
 
 /// Whether somebody waits for what the job is about to do. While the server stops each is told so.
-bool Commands::is_wanted(const AwaitedJob& job) const { return stopping_.load() || !job.called_off.load(); }
+bool MeasuringCommands::is_wanted(const AwaitedJob& job) const {
+  return threads_.are_stopping() || !job.called_off.load();
+}
 
 /// What the work found; throws BadCommand where the server stops before it has come to an end.
-json Commands::finished(const AwaitedJob& job, const std::function<json()>& work) const {
+json MeasuringCommands::finished(const AwaitedJob& job, const std::function<json()>& work) const {
   json answer = work();
-  if (stopping_.load() && job.called_off.load()) throw BadCommand("the server is stopping");
+  if (threads_.are_stopping() && job.called_off.load()) throw BadCommand("the server is stopping");
   return answer;
 }
 
-/// Waits a moment for the jobs under way, then has what is left of them end at once.
-void Commands::end_awaited() {
+void MeasuringCommands::stop() {
   constexpr std::int64_t kPatienceNs = 1'000'000'000;
   const std::int64_t until_ns = steady_ns() + kPatienceNs;
   const auto is_done = [this] {
@@ -190,20 +190,17 @@ void Commands::end_awaited() {
   }
 }
 
-void Commands::look_for_gone() {
-  static_cast<void>(note_ended_attachments());
-  attach_again();
-  drop_fences_of_gone();
+void MeasuringCommands::look_for_gone() {
   const std::lock_guard lock(awaited_mutex_);
   std::erase_if(awaited_, [&](const std::weak_ptr<AwaitedJob>& awaited) {
     const std::shared_ptr<AwaitedJob> job = awaited.lock();
-    if (job && !answering_->knows(job->ask.client)) job->called_off.store(true);
+    if (job && !answers_.answering().knows(job->ask.client)) job->called_off.store(true);
     return !job || job->called_off.load();
   });
 }
 
-void Commands::pair_later(CommandAsk ask, const Arguments& arguments) {
-  in_turn(std::move(ask), arguments, "pair", &Commands::asked_pair, &Commands::examined);
+void MeasuringCommands::pair_later(CommandAsk ask, const Arguments& arguments) {
+  in_turn(std::move(ask), arguments, "pair", &MeasuringCommands::asked_pair, &MeasuringCommands::examined);
 }
 
 }  // namespace collided::engine::service

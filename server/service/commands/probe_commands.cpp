@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/command_family.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 
@@ -28,14 +28,28 @@ ProbeDefinition definition_of(const Arguments& arguments) {
   return probe;
 }
 
+class ProbeCommands : public CommandFamily {
+ public:
+  using CommandFamily::CommandFamily;
+  std::vector<BoundCommand> commands() override;
+
+ private:
+  json probe(const CommandAsk& ask, const Arguments& arguments);
+  json probes(const Arguments& arguments);
+};
+
 }  // namespace
 
-std::vector<BoundCommand> Commands::probe_commands() {
-  return {on_world_thread(names::kProbe, this, &Commands::probe),
-          on_world_thread(names::kProbes, this, &Commands::probes)};
+std::unique_ptr<CommandFamily> probe_commands(CommandContext& context) {
+  return std::make_unique<ProbeCommands>(context);
 }
 
-json Commands::probe(const CommandAsk& ask, const Arguments& arguments) {
+std::vector<BoundCommand> ProbeCommands::commands() {
+  return {on_world_thread(names::kProbe, this, &ProbeCommands::probe),
+          on_world_thread(names::kProbes, this, &ProbeCommands::probes)};
+}
+
+json ProbeCommands::probe(const CommandAsk& ask, const Arguments& arguments) {
   Probes& probes = with_.loop.probes();
   json changed = json::array();
   if (arguments.truth("remove")) {
@@ -53,7 +67,7 @@ json Commands::probe(const CommandAsk& ask, const Arguments& arguments) {
 }
 
 /// What every probe reads in the newest state.
-json Commands::probes(const Arguments& arguments) {
+json ProbeCommands::probes(const Arguments& arguments) {
   const std::string glob = arguments.text("name");
   const std::vector<ProbeReading>& readings = with_.loop.read_probes();
   const auto object_name = [&](ObjectId id) {

@@ -1,11 +1,14 @@
 #include <fcntl.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cmath>
+#include <deque>
 #include <filesystem>
+#include <mutex>
 #include <fmt/format.h>
 
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/command_family.hpp"
 
 namespace collided::engine::service {
 
@@ -26,17 +29,44 @@ std::string page_of(const std::string& path, std::uint64_t offset) {
   return page;
 }
 
+class RecordingCommands : public CommandFamily {
+ public:
+  using CommandFamily::CommandFamily;
+  std::vector<BoundCommand> commands() override;
+  void forget() override;
+
+ private:
+  static constexpr std::size_t kMostRecordings = 4;  // files kept to be fetched
+
+  void recording_later(CommandAsk ask, const Arguments& arguments);
+  json write_recording(std::int64_t last_ns);
+  std::string recording_path(std::uint64_t number);
+
+  std::mutex recordings_mutex_;
+  std::deque<std::pair<std::uint64_t, std::string>> recordings_;  // number and path, oldest first
+  std::atomic<std::uint64_t> recordings_made_{0};
+};
+
 }  // namespace
 
+std::unique_ptr<CommandFamily> recording_commands(CommandContext& context) {
+  return std::make_unique<RecordingCommands>(context);
+}
+
+std::vector<BoundCommand> RecordingCommands::commands() {
+  return {handed_on(wire_contract::command::kRecording, this, &RecordingCommands::recording_later)};
+}
+
 /// Writes a recording on the thread for costly pairs; a page of one is read and sent at once.
-void Commands::recording_later(CommandAsk ask, const Arguments& arguments) {
+void RecordingCommands::recording_later(CommandAsk ask, const Arguments& arguments) {
   if (with_.flight == nullptr)
     throw BadCommand("the server keeps no flight recorder", "start it with --flight-recorder 30s");
   if (arguments.has("number")) {
     const std::uint64_t number = arguments.whole("number");
     const std::uint64_t offset = arguments.whole("offset");
     // A recording that held earlier ones would be twice as long each time somebody asks for it.
-    answering_->send_text(ask.client, ask.request, ReplyStatus::ok, page_of(recording_path(number), offset), false);
+    answers_.answering().send_text(ask.client, ask.request, ReplyStatus::ok, page_of(recording_path(number), offset),
+                                   false);
     return;
   }
   const double last_s = arguments.number("last_s");
@@ -45,11 +75,11 @@ void Commands::recording_later(CommandAsk ask, const Arguments& arguments) {
   constexpr double kCost = 100'000;
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
   const auto last_ns = static_cast<std::int64_t>(last_s * 1e9);
-  push_fairly("recording", costly_jobs_, {.client = shared->client, .cost = kCost},
-              [this, shared, last_ns] { answer(*shared, [&] { return write_recording(last_ns); }); });
+  threads_.push_costly("recording", {.client = shared->client, .cost = kCost},
+                       [this, shared, last_ns] { answers_.answer(*shared, [&] { return write_recording(last_ns); }); });
 }
 
-std::string Commands::recording_path(std::uint64_t number) {
+std::string RecordingCommands::recording_path(std::uint64_t number) {
   const std::lock_guard lock(recordings_mutex_);
   for (const auto& [known, path] : recordings_) {
     if (known == number) return path;
@@ -59,7 +89,7 @@ std::string Commands::recording_path(std::uint64_t number) {
 }
 
 /// Writes a new file and removes the oldest where more than kMostRecordings are kept.
-json Commands::write_recording(std::int64_t last_ns) {
+json RecordingCommands::write_recording(std::int64_t last_ns) {
   const std::uint64_t number = ++recordings_made_;
   const FlightFile file = with_.flight->write(fmt::format("{}", number % (2 * kMostRecordings)), last_ns);
   {
@@ -76,7 +106,7 @@ json Commands::write_recording(std::int64_t last_ns) {
 }
 
 /// Removes the files made for clients to fetch; those that a signal had written stay.
-void Commands::forget_recordings() {
+void RecordingCommands::forget() {
   const std::lock_guard lock(recordings_mutex_);
   for (const auto& [number, path] : recordings_) {
     std::error_code gone_already;

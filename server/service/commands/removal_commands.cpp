@@ -5,13 +5,14 @@
 #include <set>
 #include <vector>
 
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/object_commands.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine::service {
 
 using nlohmann::json;
+namespace names = wire_contract::command;
 
 namespace {
 
@@ -19,23 +20,16 @@ bool is_glob(const std::string& name) { return name.find_first_of("*?[") != std:
 
 }  // namespace
 
-/// Throws BadCommand where the keys of whoever sent the command are not for objects of this name.
-void Commands::refuse_if_foreign(const CommandAsk& ask, std::string_view object, const char* not_done) {
-  if (!ask.from.peer || ask.from.peer->may_name(object)) return;
-  throw BadCommand(fmt::format("the keys of '{}' are not for object {}. Nothing was {}", ask.from.peer->name,
-                               printable(object), not_done));
+/// After a crash the start options or the file may be others than before.
+bool ObjectCommands::is_removed_already(const Arguments& arguments) const {
+  const World& world = with_.loop.world();
+  if (arguments.command() == names::kRemove) return !world.find(arguments.text("name"));
+  if (arguments.command() != names::kClear) return false;
+  const std::string scene = arguments.text("scene");
+  return std::ranges::none_of(world.newest()->scenes, [&](const auto& loaded) { return loaded->name == scene; });
 }
 
-/// The first object of a scene that the keys of whoever sent the command are not for; null where there is none.
-const ObjectInfo* Commands::foreign_in_scene(const CommandAsk& ask, std::string_view scene) const {
-  if (!ask.from.peer) return nullptr;
-  for (const auto& info : with_.loop.world().objects()) {
-    if (info && info->rare->scene == scene && !ask.from.peer->may_name(info->name)) return info.get();
-  }
-  return nullptr;
-}
-
-json Commands::remove(const CommandAsk& ask, const Arguments& arguments) {
+json ObjectCommands::remove(const CommandAsk& ask, const Arguments& arguments) {
   World& world = with_.loop.world();
   const std::string name = arguments.text("name");
   std::vector<ObjectId> chosen;
@@ -71,7 +65,7 @@ json Commands::remove(const CommandAsk& ask, const Arguments& arguments) {
 
 /// Removes scenes and objects; what live publishers have stays and is counted as kept, and so does what the keys of
 /// whoever clears are not for, a scene as a whole. One scene by its name is refused instead.
-json Commands::clear(const CommandAsk& ask, const Arguments& arguments) {
+json ObjectCommands::clear(const CommandAsk& ask, const Arguments& arguments) {
   World& world = with_.loop.world();
   const std::string scene = arguments.text("scene");
   const bool moving = arguments.truth("moving");

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 
-#include "idl/commands.hpp"
 #include "idl/glob.hpp"
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/command_family.hpp"
 #include "server/service/questions/validation.hpp"
 
 // Pairs of objects that are allowed to touch.
@@ -37,15 +36,32 @@ std::size_t count_matching(const World& world, const std::string& glob) {
       world.objects(), [&](const auto& info) { return info && wire_contract::glob_matches(glob, info->name); }));
 }
 
+class RuleCommands : public CommandFamily {
+ public:
+  using CommandFamily::CommandFamily;
+  std::vector<BoundCommand> commands() override;
+
+ private:
+  json allow(const Arguments& arguments);
+  json deny(const Arguments& arguments);
+  json allowed() const;  // on the thread that asks
+  json change_rules(const PairRule& changed, std::vector<PairRule> rules);
+};
+
 }  // namespace
 
-std::vector<BoundCommand> Commands::rule_commands() {
-  return {on_world_thread(names::kAllow, this, &Commands::allow), on_world_thread(names::kDeny, this, &Commands::deny),
-          on_asking_thread(names::kAllowed, this, &Commands::allowed)};
+std::unique_ptr<CommandFamily> rule_commands(CommandContext& context) {
+  return std::make_unique<RuleCommands>(context);
+}
+
+std::vector<BoundCommand> RuleCommands::commands() {
+  return {on_world_thread(names::kAllow, this, &RuleCommands::allow),
+          on_world_thread(names::kDeny, this, &RuleCommands::deny),
+          on_asking_thread(names::kAllowed, this, &RuleCommands::allowed)};
 }
 
 /// Puts the rules into the world and into what outlives a crash.
-json Commands::change_rules(const PairRule& changed, std::vector<PairRule> rules) {
+json RuleCommands::change_rules(const PairRule& changed, std::vector<PairRule> rules) {
   World& world = with_.loop.world();
   if (rules.size() > PairRules::kMost)
     throw BadCommand(fmt::format("{} rules are there already, the limit", PairRules::kMost),
@@ -68,7 +84,7 @@ json Commands::change_rules(const PairRule& changed, std::vector<PairRule> rules
           {"version", step()}};
 }
 
-json Commands::allow(const Arguments& arguments) {
+json RuleCommands::allow(const Arguments& arguments) {
   const PairRule rule = rule_of(arguments);
   std::vector<PairRule> rules = with_.loop.world().pair_rules();
   erase_same(rules, rule);
@@ -78,7 +94,7 @@ json Commands::allow(const Arguments& arguments) {
   return answer;
 }
 
-json Commands::deny(const Arguments& arguments) {
+json RuleCommands::deny(const Arguments& arguments) {
   PairRule rule = rule_of(arguments);
   std::vector<PairRule> rules = with_.loop.world().pair_rules();
   erase_same(rules, rule);
@@ -91,7 +107,7 @@ json Commands::deny(const Arguments& arguments) {
   return answer;
 }
 
-json Commands::allowed() const {
+json RuleCommands::allowed() const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
   json rules = json::array();
   if (state->pair_rules) {

@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "server/service/commands/certificate_encoding.hpp"
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/command_family.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/question_samples.hpp"
 
@@ -36,10 +36,27 @@ void add_question(json& row, const SampledQuestion& sample) {
   }
 }
 
+class SampledCommands : public CommandFamily {
+ public:
+  using CommandFamily::CommandFamily;
+  std::vector<BoundCommand> commands() override;
+
+ private:
+  json sampled(const CommandAsk& ask, const Arguments& arguments);
+};
+
 }  // namespace
 
+std::unique_ptr<CommandFamily> sampled_commands(CommandContext& context) {
+  return std::make_unique<SampledCommands>(context);
+}
+
+std::vector<BoundCommand> SampledCommands::commands() {
+  return {on_asking_thread(wire_contract::command::kSampled, this, &SampledCommands::sampled)};
+}
+
 /// Some questions of other clients, as idl/commands.hpp lists them under `sampled`.
-json Commands::sampled(const CommandAsk& ask, const Arguments& arguments) {
+json SampledCommands::sampled(const CommandAsk& ask, const Arguments& arguments) {
   std::uint64_t since = arguments.whole("since");
   const std::int64_t now_ns = steady_ns();
   json rows = json::array();

@@ -54,8 +54,9 @@ bool write_at(int file, const std::vector<std::byte>& bytes, std::uint64_t first
 
 }  // namespace
 
-UploadReceiver::UploadReceiver(std::string folder, const std::vector<CommandAsk>& keep, Send send, Load load)
-    : folder_(std::move(folder)), send_(std::move(send)), load_(std::move(load)), jobs_(kMostJobs) {
+UploadReceiver::UploadReceiver(std::string folder, const std::vector<CommandAsk>& keep, CommandAnswers& answers,
+                               Load load)
+    : folder_(std::move(folder)), answers_(answers), load_(std::move(load)), jobs_(kMostJobs) {
   std::error_code error;
   if (!folder_.empty()) {
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
@@ -110,9 +111,9 @@ void UploadReceiver::work(const Asked& asked) {
     if (stopping_.load()) throw BadCommand("the server is stopping");
     drop_forgotten();
     (this->*asked.handler)(ask, Arguments(ask.text));
-  } catch (const BadCommand& bad) {
-    send_(ask, ReplyStatus::refused, refusal_text(bad.what(), bad.hint));
-  } catch (const std::bad_alloc&) { send_(ask, ReplyStatus::refused, refusal_text("not enough memory")); }
+  } catch (const BadCommand& bad) { answers_.refuse(ask, bad); } catch (const std::bad_alloc&) {
+    answers_.refuse(ask, "not enough memory");
+  }
 }
 
 /// Begins an upload: checks name and room, makes the file, and answers its number, which cannot be guessed.
@@ -158,7 +159,7 @@ void UploadReceiver::begin(const CommandAsk& ask, const Arguments& arguments) {
     throw BadCommand(
         fmt::format("upload: no room for {} bytes in {}: {}. Nothing was taken", bytes, folder_, std::strerror(fault)));
   }
-  send_(ask, ReplyStatus::ok, json{{"upload", number}, {"piece_bytes", kPieceBytes}}.dump());
+  answers_.send(ask, ReplyStatus::ok, json{{"upload", number}, {"piece_bytes", kPieceBytes}}.dump());
 }
 
 /// Writes a piece to its place and notes its checksum, from which commit() combines that of the file.
@@ -181,7 +182,7 @@ void UploadReceiver::piece(const CommandAsk& ask, const Arguments& arguments) {
   upload.missing -= known < 0 ? 1 : 0;
   known = checksum;
   upload.asked_at = Clock::now();
-  send_(ask, ReplyStatus::ok, json{{"missing", upload.missing}}.dump());
+  answers_.send(ask, ReplyStatus::ok, json{{"missing", upload.missing}}.dump());
 }
 
 /// Checks that the file is complete and as it was sent, and syncs it, since a file to be loaded must outlive a crash;

@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "server/service/commands/bound_command.hpp"
+#include "server/service/commands/command_answers.hpp"
 #include "server/service/questions/answering.hpp"
 #include "server/service/runtime/work_queue.hpp"
 
@@ -22,18 +23,17 @@ namespace collided::engine::service {
 /// minute is thrown away; all files together take at most a gibibyte.
 class UploadReceiver {
  public:
-  using Send = std::function<void(const CommandAsk&, wire_contract::ReplyStatus, std::string)>;
   /// Loads the file at `path` of that CRC-32, which the client's `load` refers to; throws BadCommand.
   using Load = std::function<void(CommandAsk ask, const std::string& path, std::uint32_t checksum)>;
 
   /// folder  empty: every upload is refused; made when it is needed
   /// keep    commands to be carried out again: files of an earlier server that none of these texts names are removed
-  UploadReceiver(std::string folder, const std::vector<CommandAsk>& keep, Send send, Load load);
+  UploadReceiver(std::string folder, const std::vector<CommandAsk>& keep, CommandAnswers& answers, Load load);
   ~UploadReceiver() { stop(); }
   UploadReceiver(const UploadReceiver&) = delete;
   UploadReceiver& operator=(const UploadReceiver&) = delete;
 
-  /// The commands `upload` and `piece`, which the thread of its own answers through `send`. They must not outlive this.
+  /// The commands `upload` and `piece`, which the thread of its own answers through `answers`. They must not outlive this.
   std::vector<BoundCommand> commands();
   /// Queues a `load` of an upload, likewise. Throws BadCommand where too much waits. Any thread.
   void take_load(CommandAsk ask) { take(std::move(ask), &UploadReceiver::commit); }
@@ -83,7 +83,7 @@ class UploadReceiver {
   void drop_forgotten();
 
   std::string folder_;
-  Send send_;
+  CommandAnswers& answers_;
   Load load_;
   std::map<std::uint64_t, Upload> uploads_;     // by number
   std::map<std::string, std::uint64_t> bytes_;  // of every file in the folder, by path

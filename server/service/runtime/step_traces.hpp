@@ -7,6 +7,8 @@
 #include <mutex>
 #include <vector>
 
+#include "idl/commands.hpp"
+
 namespace collided::engine::service {
 
 /// One step of the world: what it took in, decided and wrote, and how long each stage took. Each stage has a clock
@@ -31,7 +33,7 @@ struct StepTrace {
 /// The newest steps. One thread adds, any thread reads; neither waits for longer than a copy of them takes.
 class StepTraces {
  public:
-  static constexpr std::size_t kMost = 256;
+  static constexpr std::size_t kMost = wire_contract::command::kMostSteps;
 
   void add(const StepTrace& trace) {
     const std::scoped_lock lock(mutex_);

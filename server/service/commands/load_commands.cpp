@@ -6,7 +6,7 @@
 #include <fstream>
 #include <zlib.h>
 
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/load_commands.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/query/plan.hpp"
@@ -34,14 +34,23 @@ std::optional<std::uint32_t> checksum_of(const std::string& path) {
 
 }  // namespace
 
-std::vector<BoundCommand> Commands::scene_commands() {
+LoadCommands::LoadCommands(CommandContext& context, const std::string& uploads)
+    : CommandFamily(context),
+      uploads_(uploads, with_.durable != nullptr ? with_.durable->commands_left() : std::vector<CommandAsk>(),
+               context.answers, [this](CommandAsk ask, const std::string& path, std::uint32_t checksum) {
+                 load_upload(std::move(ask), path, checksum);
+               }) {
+  answers_.after_change([this] { drop_uploads(); });
+}
+
+std::vector<BoundCommand> LoadCommands::commands() {
   std::vector<BoundCommand> commands = uploads_.commands();
-  commands.push_back(handed_on(names::kLoad, this, &Commands::load_later));
+  commands.push_back(handed_on(names::kLoad, this, &LoadCommands::load_later));
   return commands;
 }
 
 /// The command with its arguments checked. Throws BadCommand.
-Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) const {
+LoadCommands::Load LoadCommands::parsed(CommandAsk ask, const Arguments& arguments) const {
   Load load;
   load.path = arguments.text("path");
   load.options.name = arguments.text("name");
@@ -77,17 +86,17 @@ Commands::Load Commands::parse_load(CommandAsk ask, const Arguments& arguments) 
   return load;
 }
 
-void Commands::load_later(CommandAsk ask, const Arguments& arguments) {
+void LoadCommands::load_later(CommandAsk ask, const Arguments& arguments) {
   if (arguments.has("upload")) return uploads_.take_load(std::move(ask));
-  make_room("load", slow_jobs_);
-  const auto shared = std::make_shared<Load>(parse_load(std::move(ask), arguments));
-  once_there_is_room(shared->ask, shared->is_durable,
-                     [this, shared] { slow_jobs_.push([this, shared] { load_one(std::move(*shared)); }); });
+  threads_.require_room("load");
+  const auto shared = std::make_shared<Load>(parsed(std::move(ask), arguments));
+  answers_.once_there_is_room(shared->ask, shared->is_durable,
+                              [this, shared] { threads_.push_slow([this, shared] { load_one(std::move(*shared)); }); });
 }
 
 /// Loads an uploaded file as if the command had named its path. The text says so too, since it is what is carried out
 /// again after a crash.
-void Commands::load_upload(CommandAsk ask, const std::string& path, std::uint32_t checksum) {
+void LoadCommands::load_upload(CommandAsk ask, const std::string& path, std::uint32_t checksum) {
   json words = json::parse(ask.text);
   words.erase("upload");
   words["path"] = path;
@@ -99,16 +108,16 @@ void Commands::load_upload(CommandAsk ask, const std::string& path, std::uint32_
 }
 
 /// Reads and indexes the file on the thread for slow work, then hands the scene to the world's thread.
-void Commands::load_one(Load load) {
+void LoadCommands::load_one(Load load) {
   const CommandAsk& ask = load.ask;
   std::atomic<std::int64_t> reported_ns{steady_ns()};
-  load.options.cancelled = [this] { return stopping_.load(); };
+  load.options.cancelled = [this] { return threads_.are_stopping(); };
   load.options.progress = [&](double fraction) {
     std::int64_t last_ns = reported_ns.load();
     const std::int64_t now_ns = steady_ns();
     // Any of the threads that build may call this; one of them sends.
     if (now_ns - last_ns < kProgressPeriodNs || !reported_ns.compare_exchange_strong(last_ns, now_ns)) return;
-    send(ask, ReplyStatus::progress, fmt::format("{{\"fraction\": {:.4f}}}", fraction));
+    answers_.send(ask, ReplyStatus::progress, fmt::format("{{\"fraction\": {:.4f}}}", fraction));
   };
   const auto loaded = std::make_shared<LoadedScene>();
   try {
@@ -125,7 +134,7 @@ void Commands::load_one(Load load) {
   // Loads wait in a queue of their own, so few of these wait at a time; and the work is done already.
   with_.inbox.push_own_job([this, shared, loaded] {
     bool is_added = false;
-    answer_once_kept(
+    answers_.answer_once_kept(
         shared->ask,
         [&] {
           json answer = add_scene(*shared, *loaded);
@@ -137,20 +146,20 @@ void Commands::load_one(Load load) {
   });
 }
 
-void Commands::refuse_load(const Load& load, const std::string& why, const std::string& hint) {
+void LoadCommands::refuse_load(const Load& load, const std::string& why, const std::string& hint) {
   drop_file_of(load);
-  send(load.ask, ReplyStatus::refused, refusal_text(why, hint));
+  answers_.refuse(load.ask, why, hint);
 }
 
 /// Removes the uploaded file of a load that was not done. A load that is carried out again keeps it: the journal still
 /// names it, and the next start may find the memory, or the name free. The next start removes it once nothing names it.
-void Commands::drop_file_of(const Load& load) {
+void LoadCommands::drop_file_of(const Load& load) {
   if (load.ask.client != 0) uploads_.forget(load.path);
 }
 
 /// Throws BadCommand where the keys of whoever loads are not for a name that the scene brings, or that goes for it. What
 /// space is complete is said of the whole world, by keys for all names only.
-void Commands::refuse_foreign_load(const Load& load, const Scene& scene, bool replaces) const {
+void LoadCommands::refuse_foreign_load(const Load& load, const Scene& scene, bool replaces) const {
   for (const Part& part : scene.parts) refuse_if_foreign(load.ask, part.name, "loaded");
   for (const SceneObject& object : scene.objects) refuse_if_foreign(load.ask, object.name, "loaded");
   const ObjectInfo* const foreign = replaces ? foreign_in_scene(load.ask, scene.name) : nullptr;
@@ -163,7 +172,7 @@ void Commands::refuse_foreign_load(const Load& load, const Scene& scene, bool re
 
 /// Puts a loaded scene into the world, where asked in place of the one of its name. On the world's thread; throws
 /// BadCommand, and then nothing was added.
-json Commands::add_scene(const Load& load, LoadedScene& loaded) {
+json LoadCommands::add_scene(const Load& load, LoadedScene& loaded) {
   World& world = with_.loop.world();
   const Scene& scene = loaded.indexed.scene;
   const auto& scenes = world.newest()->scenes;
@@ -213,12 +222,36 @@ json Commands::add_scene(const Load& load, LoadedScene& loaded) {
 }
 
 /// Keeps the uploaded file of a scene, which is needed after a crash, and drops that of the scene it replaced.
-void Commands::keep_upload(const std::string& scene, const std::string& path) {
+void LoadCommands::keep_upload(const std::string& scene, const std::string& path) {
   if (const auto before = upload_of_scene_.find(scene); before != upload_of_scene_.end()) {
     forget_upload(before->second);
     upload_of_scene_.erase(before);
   }
   if (uploads_.has_taken(path)) upload_of_scene_[scene] = path;
+}
+
+/// Removes the uploaded files of scenes that are gone.
+void LoadCommands::drop_uploads() {
+  const World& world = with_.loop.world();
+  const auto has_scene = [&](std::string_view name) {
+    const SnapshotRing::Lease state = world.newest();
+    return std::any_of(state->scenes.begin(), state->scenes.end(),
+                       [&](const auto& scene) { return scene->name == name; });
+  };
+  for (auto upload = upload_of_scene_.begin(); upload != upload_of_scene_.end();) {
+    const auto here = upload++;
+    if (has_scene(here->first)) continue;
+    forget_upload(here->second);
+    upload_of_scene_.erase(here);
+  }
+}
+
+/// Removes an uploaded file once the journal names it no longer: after a crash before that it is loaded again.
+void LoadCommands::forget_upload(const std::string& path) {
+  if (with_.durable == nullptr) return uploads_.forget(path);
+  with_.durable->then([this, path](const std::string& not_kept) {
+    if (not_kept.empty()) uploads_.forget(path);
+  });
 }
 
 }  // namespace collided::engine::service

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/command_family.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/world/query/plan.hpp"
 
@@ -54,21 +54,37 @@ json questions(const QuestionCounts& counts) {
   return rows;
 }
 
+class ServerCommands : public CommandFamily {
+ public:
+  using CommandFamily::CommandFamily;
+  std::vector<BoundCommand> commands() override;
+
+ private:
+  json plan() const;
+  json covers() const;
+  json figures() const;
+  json steps(const Arguments& arguments) const;
+  json accept_loss(const Arguments& arguments);  // on the world's thread
+
+  const std::int64_t started_ns_ = steady_ns();
+};
+
 }  // namespace
 
-std::vector<BoundCommand> Commands::server_commands() {
-  return {on_asking_thread(names::kPlan, this, &Commands::plan),
-          on_asking_thread(names::kCovers, this, &Commands::covers),
-          on_asking_thread(names::kFigures, this, &Commands::figures),
-          on_asking_thread(names::kSteps, this, &Commands::steps),
-          on_asking_thread(names::kSampled, this, &Commands::sampled),
-          on_asking_thread(names::kAudit, this, &Commands::audit),
-          on_world_thread(names::kAcceptLoss, this, &Commands::accept_loss),
-          handed_on(names::kRecording, this, &Commands::recording_later)};
+std::unique_ptr<CommandFamily> server_commands(CommandContext& context) {
+  return std::make_unique<ServerCommands>(context);
+}
+
+std::vector<BoundCommand> ServerCommands::commands() {
+  return {on_asking_thread(names::kPlan, this, &ServerCommands::plan),
+          on_asking_thread(names::kCovers, this, &ServerCommands::covers),
+          on_asking_thread(names::kFigures, this, &ServerCommands::figures),
+          on_asking_thread(names::kSteps, this, &ServerCommands::steps),
+          on_world_thread(names::kAcceptLoss, this, &ServerCommands::accept_loss)};
 }
 
 /// Which structures the server builds for this world, and which it leaves out and why.
-json Commands::plan() const {
+json ServerCommands::plan() const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
   json structures = json::array();
   std::vector<PlanRow> rows = plan_of(*state, with_.loop.contacts_wanted());
@@ -100,26 +116,13 @@ json Commands::plan() const {
   return {{"structures", structures}, {"pairs", pairs}, {"scenes", scenes}, {"bytes", bytes}};
 }
 
-json Commands::covers_json(const std::vector<Aabb>& boxes) {
-  json list = json::array();
-  const auto number = [](double x) { return std::isinf(x) ? json(x > 0 ? "inf" : "-inf") : json(x); };
-  for (const Aabb& box : boxes) {
-    json corners = json::array();
-    for (const Vec3* corner : {&box.low, &box.high}) {
-      for (const double x : *corner) corners.push_back(number(x));
-    }
-    list.push_back(std::move(corners));
-  }
-  return list;
-}
-
-json Commands::covers() const {
+json ServerCommands::covers() const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
   return {{"covers", state->covers ? covers_json(*state->covers) : json(nullptr)}, {"version", state->version}};
 }
 
 /// The counts since the start, as idl/commands.hpp lists them under `figures`.
-json Commands::figures() const {
+json ServerCommands::figures() const {
   const StepSums& sums = with_.loop.sums();
   const SnapshotRing::Lease state = with_.loop.world().newest();
   json clocks = json::array();
@@ -173,7 +176,7 @@ json Commands::figures() const {
 }
 
 /// The newest steps, stage by stage, as idl/commands.hpp lists them under `steps`.
-json Commands::steps(const Arguments& arguments) const {
+json ServerCommands::steps(const Arguments& arguments) const {
   const std::uint64_t last = arguments.whole("last");
   json rows = json::array();
   for (const StepTrace& trace : with_.loop.traces().newest(last)) {
@@ -193,6 +196,16 @@ json Commands::steps(const Arguments& arguments) const {
                     {"events", trace.events}});
   }
   return {{"steps", rows}};
+}
+
+/// What of the time before the crash is missing, and, unless that is only to be shown, that the world counts as whole
+/// without it.
+json ServerCommands::accept_loss(const Arguments& arguments) {
+  const bool shows_only = arguments.truth("show");
+  const std::vector<std::string> losses =
+      with_.durable != nullptr ? with_.durable->losses() : std::vector<std::string>();
+  if (!shows_only && with_.durable != nullptr) with_.durable->accept_losses();
+  return {{"losses", losses}, {"accepted", !shows_only && !losses.empty()}};
 }
 
 }  // namespace collided::engine::service

@@ -1,10 +1,12 @@
 #include <fmt/format.h>
 
+#include <mutex>
+#include <optional>
 #include <string>
 
-#include "idl/commands.hpp"
 #include "idl/shards/shard_split.hpp"
-#include "server/service/commands/commands.hpp"
+#include "server/service/commands/command_family.hpp"
+#include "server/service/commands/shard_watchers.hpp"
 
 // Which map of shards this server is of, and which one comes after it.
 namespace collided::engine::service {
@@ -25,18 +27,41 @@ int step_of(shards::SuccessionPhase phase) {
   return 0;
 }
 
+class ShardCommands : public CommandFamily {
+ public:
+  using CommandFamily::CommandFamily;
+  std::vector<BoundCommand> commands() override;
+
+ private:
+  json shard();
+  json hand_over(const Arguments& arguments) const;
+  json settled(const CommandAsk& ask, const Arguments& arguments);
+  json succession(const CommandAsk& ask, const Arguments& arguments);
+  void succeed(shards::MapSuccession next);
+
+  ShardWatchers shard_watchers_;
+  std::mutex succession_mutex_;
+  std::optional<shards::MapSuccession> succession_;  // none: no other map than that of the start is known
+};
+
 }  // namespace
 
-std::vector<BoundCommand> Commands::shard_commands() {
-  return {on_asking_thread(names::kShard, this, &Commands::shard),
-          on_world_thread(names::kSettled, this, &Commands::settled),
-          on_world_thread(names::kSuccession, this, &Commands::succession),
-          on_asking_thread(names::kHandOver, this, &Commands::hand_over)};
+std::unique_ptr<CommandFamily> shard_commands(CommandContext& context) {
+  return std::make_unique<ShardCommands>(context);
 }
 
-json Commands::hand_over(const Arguments& arguments) const { return {{"to", with_.hand_over(arguments.text("to"))}}; }
+std::vector<BoundCommand> ShardCommands::commands() {
+  return {on_asking_thread(names::kShard, this, &ShardCommands::shard),
+          on_world_thread(names::kSettled, this, &ShardCommands::settled),
+          on_world_thread(names::kSuccession, this, &ShardCommands::succession),
+          on_asking_thread(names::kHandOver, this, &ShardCommands::hand_over)};
+}
 
-json Commands::settled(const CommandAsk& ask, const Arguments& arguments) {
+json ShardCommands::hand_over(const Arguments& arguments) const {
+  return {{"to", with_.hand_over(arguments.text("to"))}};
+}
+
+json ShardCommands::settled(const CommandAsk& ask, const Arguments& arguments) {
   if (with_.shard != nullptr && arguments.has("watch"))
     shard_watchers_.heard(ask.client, arguments.whole("watch"), arguments.text("map"), steady_ns());
   const SnapshotRing::Lease newest = with_.loop.world().newest();
@@ -50,7 +75,7 @@ json Commands::settled(const CommandAsk& ask, const Arguments& arguments) {
   return answer;
 }
 
-json Commands::shard() {
+json ShardCommands::shard() {
   if (with_.shard == nullptr) throw BadCommand("this server is no shard: it holds all of its world");
   json answer{{"name", with_.shard->name},
               {"map", shards::fingerprint_text(with_.shard->fingerprint)},
@@ -67,7 +92,7 @@ json Commands::shard() {
 }
 
 /// Notes a phase, which must come after the one that is known, of a map that comes after the one that holds.
-void Commands::succeed(shards::MapSuccession next) {
+void ShardCommands::succeed(shards::MapSuccession next) {
   const std::lock_guard lock(succession_mutex_);
   const std::uint64_t own = with_.shard->fingerprint;
   std::uint64_t holds = own;
@@ -92,7 +117,7 @@ void Commands::succeed(shards::MapSuccession next) {
   succession_ = std::move(next);
 }
 
-json Commands::succession(const CommandAsk& ask, const Arguments&) {
+json ShardCommands::succession(const CommandAsk& ask, const Arguments&) {
   if (with_.shard == nullptr) throw BadCommand("this server is no shard: it holds all of its world. Nothing was done");
   World& world = with_.loop.world();
   try {

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+#include <vector>
+
+#include "server/service/commands/bound_command.hpp"
+#include "server/service/commands/command_answers.hpp"
+#include "server/service/commands/command_threads.hpp"
+
+namespace collided::engine::service {
+
+/// What all families of commands share. It must outlive them.
+struct CommandContext {
+  explicit CommandContext(const CommandCollaborators& given) : with(given) {}
+
+  const CommandCollaborators with;
+  CommandAnswers answers{with};
+  CommandThreads threads;
+};
+
+/// Commands about one subject, with their handlers.
+class CommandFamily {
+ public:
+  explicit CommandFamily(CommandContext& context)
+      : with_(context.with), answers_(context.answers), threads_(context.threads) {}
+  virtual ~CommandFamily() = default;
+  CommandFamily(const CommandFamily&) = delete;
+  CommandFamily& operator=(const CommandFamily&) = delete;
+
+  /// Its commands with their handlers, which must not outlive it.
+  virtual std::vector<BoundCommand> commands() = 0;
+  /// Called on the world's thread now and then: gives up what belongs to clients that have gone.
+  virtual void look_for_gone() {}
+  /// Called when no command comes any more, and jobs may still be under way.
+  virtual void stop() {}
+  /// Called after stop(), when all jobs are done.
+  virtual void forget() {}
+
+ protected:
+  // On the world's thread.
+  /// Throws BadCommand where the keys of the command's sender are not for objects of this name.
+  static void refuse_if_foreign(const CommandAsk& ask, std::string_view object, const char* not_done);
+  /// The first object of a scene that the keys of the command's sender are not for; null where there is none.
+  const ObjectInfo* foreign_in_scene(const CommandAsk& ask, std::string_view scene) const;
+  /// Makes a change visible by a step; returns the new version.
+  std::uint64_t step();
+  std::uint32_t ended_count() const;
+
+  const CommandCollaborators& with_;
+  CommandAnswers& answers_;
+  CommandThreads& threads_;
+};
+
+// The families of which nothing but their commands is known elsewhere.
+std::unique_ptr<CommandFamily> fence_commands(CommandContext& context);
+std::unique_ptr<CommandFamily> measuring_commands(CommandContext& context);
+std::unique_ptr<CommandFamily> probe_commands(CommandContext& context);
+std::unique_ptr<CommandFamily> recording_commands(CommandContext& context);
+std::unique_ptr<CommandFamily> rule_commands(CommandContext& context);
+std::unique_ptr<CommandFamily> sampled_commands(CommandContext& context);
+std::unique_ptr<CommandFamily> server_commands(CommandContext& context);
+std::unique_ptr<CommandFamily> shard_commands(CommandContext& context);
+
+}  // namespace collided::engine::service

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "server/service/commands/command_family.hpp"
+
+namespace collided::engine::service {
+
+/// Objects: what is there, and what commands add, move, attach and remove.
+class ObjectCommands : public CommandFamily {
+ public:
+  using CommandFamily::CommandFamily;
+
+  std::vector<BoundCommand> commands() override;
+  void look_for_gone() override;
+  /// Whether the command removes what is not there. On the world's thread, as all below.
+  bool is_removed_already(const Arguments& arguments) const;
+  /// Puts off an attachment that a crash has parted, if its parent may still come back with its publisher; else false.
+  bool put_off(const CommandAsk& ask, const Arguments& arguments);
+
+ private:
+  nlohmann::json list(const Arguments& arguments) const;  // on the thread that asks
+  nlohmann::json get(const Arguments& arguments);
+  nlohmann::json left_out(const Arguments& arguments);
+  nlohmann::json add(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json move(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json remove(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json clear(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json attach(const CommandAsk& ask, const Arguments& arguments);
+  nlohmann::json detach(const CommandAsk& ask, const Arguments& arguments);
+
+  ObjectId find_object(const std::string& name) const;
+  void refuse_if_live(const ObjectInfo& info) const;
+  void keep_detached(const std::string& child);
+  nlohmann::json note_ended_attachments();
+  void attach_again();
+
+  std::vector<CommandAsk> parted_;  // by a crash: attachments whose parents may still come back
+};
+
+}  // namespace collided::engine::service
