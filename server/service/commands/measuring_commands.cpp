@@ -1,9 +1,10 @@
 #include <fmt/format.h>
 
+#include <chrono>
 #include <cmath>
 #include <cstring>
+#include <thread>
 
-#include "idl/commands.hpp"
 #include "server/service/commands/measuring_commands.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/audit/menu.hpp"
@@ -121,6 +122,65 @@ std::vector<BoundCommand> MeasuringCommands::commands() {
           handed_on(names::kExplain, this, &MeasuringCommands::explain_later),
           handed_on(names::kMenu, this, &MeasuringCommands::menu_later),
           on_asking_thread(names::kAudit, this, &MeasuringCommands::audit)};
+}
+
+/// A job that ends with its deadline, or with its client.
+std::shared_ptr<MeasuringCommands::AwaitedJob> MeasuringCommands::await(CommandAsk ask, const Arguments& arguments) {
+  const auto job = std::make_shared<AwaitedJob>();
+  job->ask = std::move(ask);
+  const auto within_ns = static_cast<std::int64_t>(arguments.whole("deadline_ns"));
+  job->deadline_ns = within_ns > 0 ? steady_ns() + within_ns : 0;
+  const std::lock_guard lock(awaited_mutex_);
+  awaited_.push_back(job);
+  return job;
+}
+
+/// Whether somebody waits for what the job is about to do. While the server stops each is told so.
+bool MeasuringCommands::is_wanted(const AwaitedJob& job) const {
+  return threads_.are_stopping() || !job.called_off.load();
+}
+
+/// What the work found; throws BadCommand where the server stops before it has come to an end.
+json MeasuringCommands::finished(const AwaitedJob& job, const std::function<json()>& work) const {
+  json answer = work();
+  if (threads_.are_stopping() && job.called_off.load()) throw BadCommand("the server is stopping");
+  return answer;
+}
+
+void MeasuringCommands::stop() {
+  constexpr std::int64_t kPatienceNs = 1'000'000'000;
+  const std::int64_t until_ns = steady_ns() + kPatienceNs;
+  const auto is_done = [this] {
+    const std::lock_guard lock(awaited_mutex_);
+    std::erase_if(awaited_, [](const std::weak_ptr<AwaitedJob>& job) { return job.expired(); });
+    return awaited_.empty();
+  };
+  while (!is_done() && steady_ns() < until_ns) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  const std::lock_guard lock(awaited_mutex_);
+  for (const std::weak_ptr<AwaitedJob>& awaited : awaited_) {
+    if (const std::shared_ptr<AwaitedJob> job = awaited.lock()) job->called_off.store(true);
+  }
+}
+
+void MeasuringCommands::look_for_gone() {
+  const std::lock_guard lock(awaited_mutex_);
+  std::erase_if(awaited_, [&](const std::weak_ptr<AwaitedJob>& awaited) {
+    const std::shared_ptr<AwaitedJob> job = awaited.lock();
+    if (job && !answers_.answering().knows(job->ask.client)) job->called_off.store(true);
+    return !job || job->called_off.load();
+  });
+}
+
+/// The state at the named instant; null for the latest. Throws BadCommand.
+std::shared_ptr<const Snapshot> MeasuringCommands::past_state(const Arguments& arguments,
+                                                              const Snapshot& newest) const {
+  const std::string text = arguments.text("as_of");
+  const std::optional<wire_contract::AskedInstant> instant = wire_contract::asked_instant(text);
+  if (!instant) throw BadCommand(fmt::format("{}: as_of {} is no instant", arguments.command(), printable(text)));
+  if (instant->kind == wire_contract::AskedInstant::Kind::latest) return nullptr;
+  auto past = answers_.answering().past_states().at(*instant, newest);
+  if (const auto* why_not = std::get_if<std::string>(&past)) throw BadCommand(arguments.command() + ": " + *why_not);
+  return std::get<std::shared_ptr<const Snapshot>>(std::move(past));
 }
 
 void MeasuringCommands::menu_later(CommandAsk ask, const Arguments& arguments) {
