@@ -8,8 +8,8 @@
 #include "idl/commands.hpp"
 #include "idl/topics.hpp"
 
-/// Every command with its right, what it changes, and its arguments: server and clients derive from this table whatever
-/// depends on a command's name. The server binds the handlers beside the families in server/service/commands.
+/// Every command with its right, what it changes, and its arguments. Whatever depends on a command's name derives from this
+/// table. The families in server/service/commands bind the handlers, and with them the threads.
 namespace collided::wire_contract::command {
 
 enum class ArgumentType : std::uint8_t {
@@ -28,8 +28,8 @@ enum class ArgumentType : std::uint8_t {
 struct ArgumentSpec {
   const char* name;
   ArgumentType type;
-  const char* meaning = "";  // unit, range, and what name and type leave open
-  double otherwise = 0;      // the value of a number or truth that is absent; numbers beyond 2^53 have none
+  const char* meaning = "";                                        // unit, range, and what name and type leave open
+  double otherwise = 0;                                            // default of a number, whole number or truth
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();  // of a whole number
 };
 
@@ -148,7 +148,7 @@ inline constexpr ArgumentSpec kNearest[]{{"name", text},
                                          kHysteresis,
                                          kKeep};
 inline constexpr ArgumentSpec kRemovedFences[]{
-    kGlob, {"remove", truth}, {"margins", truth, "of these, not of fences"}, {"nearest", truth, "likewise"}};
+    kGlob, {"remove", truth}, {"margins", truth, "margins"}, {"nearest", truth, "questions for the nearest"}};
 inline constexpr ArgumentSpec kFences[]{kGlob,
                                         {"limit", whole, "", 10'000, 1'000'000},
                                         {"margins", truth, "these, in place of fences"},
@@ -170,7 +170,7 @@ inline constexpr ArgumentSpec kPair[]{{"a", text},
                                       kDeadline};
 inline constexpr ArgumentSpec kClearance[]{
     {"from", text, "object, scene or glob"},
-    {"to", text, "likewise; absent: all that `from` has not"},
+    {"to", text, "object, scene or glob; absent: everything outside `from`"},
     {"skip", text, "glob; left out of both"},
     {"most", whole, "pairs reported; with certificates up to 1,000", 1, 10'000},
     {"nearer_m", number, "m; only pairs not surely farther apart", kEndless},
@@ -237,8 +237,8 @@ inline constexpr ArgumentSpec kMore[]{{"transfer", whole, "its number"},
 
 }  // namespace arguments
 
-/// What a command changes of the world, which is also under what it is kept for the time after a crash. A command that
-/// changes something takes `durable` too (true: it is refused where it would not outlive a crash of the server).
+/// The kind of state that a command changes, and under which it is kept for the time after a crash. A command that changes
+/// something takes `durable` as well (true: it is refused if it would not outlive a crash of the server).
 enum class Changes : std::uint8_t {
   nothing,
   scenes,
@@ -248,17 +248,17 @@ enum class Changes : std::uint8_t {
   fences,
   rules,
   shard_map,
-  losses  // what a crash has lost counts as lost
+  losses  // accepts what a crash has lost
 };
 
-/// Which objects keys must be for, if they are for some only and the command does more than look.
+/// The objects that a client's keys must be for, if the command does more than look.
 enum class KeyedObjects : std::uint8_t {
-  all,    // only keys for all objects allow it
-  named,  // the one in the argument `name`
-  each    // each that it touches, which the handler finds out; a file does nothing until it is loaded
+  all,
+  named,  // the object in the argument `name`
+  each  // each object that the command touches, as its handler checks; an uploaded file does nothing until it is loaded
 };
 
-/// Arguments that a command takes in place of its usual ones where one of them, `given`, is there and not false.
+/// Arguments that replace a command's usual ones if one of them, `given`, is there and not false.
 struct CommandForm {
   const char* given;
   std::span<const ArgumentSpec> arguments;
@@ -271,7 +271,7 @@ struct CommandSpec {
   KeyedObjects objects = KeyedObjects::all;
   std::span<const ArgumentSpec> arguments = {};
   std::span<const CommandForm> forms = {};
-  bool answers_bytes = false;  // FlatBuffers or a piece of a file may come, in which brackets mean nothing
+  bool answers_bytes = false;  // the answer may be FlatBuffers or a piece of a file, where brackets mean nothing
 
   constexpr bool changes_world() const { return changes != Changes::nothing; }
   /// Whether a recording needs it to make the same world again.

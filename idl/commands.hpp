@@ -6,8 +6,8 @@
 /// answer, one JSON object. A refusal has ReplyStatus::refused and the text {"error": MESSAGE, "hint": NEXT_STEP}, the
 /// hint only where there is one. Poses are [x, y, z, qw, qx, qy, qz] in metres; a name may be a glob (* ? [..]) where
 /// that is said. The answer of a command that changes the world has not_kept (why it would not outlive a crash) where
-/// that is so, and keeps_nothing (true) where the server has no folder to keep anything in. Below stands what each
-/// command answers (->); its arguments and its right are in command_table.hpp.
+/// that is so, and keeps_nothing (true) where the server has no folder to keep anything in. Each command stands here with
+/// its answer (->); command_table.hpp has its arguments and its right.
 namespace collided::wire_contract::command {
 
 /// Loads a file into the world.

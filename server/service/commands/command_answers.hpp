@@ -56,8 +56,7 @@ class CommandAnswers {
   /// Sets what is called on the world's thread after each change.
   void after_change(std::function<void()> call) { after_change_ = std::move(call); }
 
-  /// Sends an answer to the client. A command that is carried out again has none: its refusal is a loss, and reported in
-  /// the log.
+  /// Sends an answer to the client. A command that is carried out again has no client: its refusal is logged as a loss.
   void send(const CommandAsk& ask, wire_contract::ReplyStatus status, std::string text);
   void refuse(const CommandAsk& ask, const std::string& error, const std::string& hint = {}) {
     send(ask, wire_contract::ReplyStatus::refused, refusal_text(error, hint));
@@ -65,15 +64,15 @@ class CommandAnswers {
   void refuse(const CommandAsk& ask, const BadCommand& bad) { refuse(ask, bad.what(), bad.hint); }
   /// Sends the result of the work, or the refusal that it threw.
   void answer(const CommandAsk& ask, const std::function<nlohmann::json()>& work);
-  /// As answer(), but the answer waits until what was done is on the disk, or says why it is not.
+  /// Like answer(), but sends the answer once the change is on the disk; if it cannot be kept, the answer has the reason.
   void answer_once_kept(const CommandAsk& ask, const std::function<nlohmann::json()>& work, bool is_durable = false);
-  /// Goes on where what the command does will find room on the disk, if it asks for that; else refuses it.
+  /// Calls go_on, for a durable command only if the disk has room for it; else refuses the command.
   void once_there_is_room(const CommandAsk& ask, bool is_durable, std::function<void()> go_on);
 
-  /// The refusal of the next command without client and number, which another server has carried out; empty: it was done.
+  /// Why the next command of another server is refused; empty: it is carried out.
   std::future<std::string> followed();
-  /// Records a command that is carried out again or after another server: it did not come over the wire, so nothing else
-  /// records it.
+  /// Records a command that is carried out again or comes from another server: only commands on the wire are recorded
+  /// elsewhere.
   void tell_flight_recorder(const CommandAsk& ask);
 
  private:
