@@ -96,11 +96,20 @@ void NearestGroups::look_at(const StepView& step, NearestGroup& group, std::uint
   if (is_member) group.came.push_back(slot);
 }
 
+namespace {
+
+MotionSegment way_of_step(const StepView& step, std::uint32_t slot) {
+  return segment_of(step.rows, slot, step.sources[step.rows.source(slot)], step.rows.bounds(slot),
+                    step.motion.bounds()[slot]);
+}
+
+}  // namespace
+
 void NearestPaths::follow(const StepView& step, std::uint32_t slot) {
   if (slot >= is_followed_.size()) is_followed_.resize(step.rows.size());
   if (is_followed_[slot] != 0 && !step.rows.is_new(slot)) {
     if (step.rows.is_posed(slot) && step.rows.source(slot) != Sources::kResting)
-      history_.add(slot, segment_of(step.rows, slot, step.sources[step.rows.source(slot)], step.rows.bounds(slot)));
+      history_.add(slot, way_of_step(step, slot));
     return;
   }
   // What the step still knows of it, this step's motion included.
@@ -109,7 +118,7 @@ void NearestPaths::follow(const StepView& step, std::uint32_t slot) {
   if (step.motion.history().is_travelling(slot)) {
     step.motion.history().for_each(slot, [&](const MotionSegment& segment) { history_.add(slot, segment); });
   } else if (step.rows.is_posed(slot) && step.rows.source(slot) != Sources::kResting) {
-    history_.add(slot, segment_of(step.rows, slot, step.sources[step.rows.source(slot)], step.rows.bounds(slot)));
+    history_.add(slot, way_of_step(step, slot));
   }
 }
 

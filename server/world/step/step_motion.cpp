@@ -59,7 +59,7 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
     if (rows_.info(slot) == nullptr || rows_.is_new(slot)) history_.forget(slot);
     if (sources.need_common_time() && rows_.is_new(slot)) young_.push_back(slot);
     if (sources.need_common_time() && rows_.is_posed(slot) && rows_.info(slot) != nullptr)
-      history_.add(slot, segment_of(rows_, slot, sources[rows_.source(slot)], at_end));
+      history_.add(slot, segment_of(rows_, slot, sources[rows_.source(slot)], at_end, bounds_[slot]));
   }
   if (sources.is_any_over_floor_again()) begin_anew(sources);
   for (const std::uint32_t slot : young_) open_[slot] = 1;
@@ -121,9 +121,29 @@ Aabb bounds_of_way(const Sphere& sphere, const BodyMotion& path, const Aabb& at_
 
 }  // namespace
 
-MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Source& source, const Aabb& at_end) {
+/// Of a sphere about its frame's origin, from the bounds of its motion: what segment_of() gives of any object, but for
+/// slightly wider bounds.
+void set_ball_way(const ObjectRow& row, const Aabb& all_along, MotionSegment& segment) {
+  segment.to = row.frame();
+  segment.from = {.rotation = segment.to.rotation, .position = placed_center(row.pose_before, Vec3::Zero())};
+  const double farthest_m =
+      segment.from.position.cwiseAbs().maxCoeff() + segment.to.position.cwiseAbs().maxCoeff() + row.lone_radius_m;
+  // Once more than bounds() adds, which covers that these sums round.
+  const Vec3 margin_m = Vec3::Constant(3 * kWayError * farthest_m);
+  segment.bounds = {.low = all_along.low - margin_m, .high = all_along.high + margin_m};
+}
+
+MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Source& source, const Aabb& at_end,
+                         const Aabb& all_along) {
   const ObjectRow& row = rows[slot];
   const MotionTimes times = motion_times(row, rows.is_new(slot), &source);
+  if (row.is_centred_sphere && rows.motion(slot) == Motion::moved && times.from_ns < times.to_ns) {
+    MotionSegment segment;
+    segment.from_ns = times.from_ns;
+    segment.to_ns = times.to_ns;
+    set_ball_way(row, all_along, segment);
+    return segment;
+  }
   MotionSegment segment{
       .from_ns = times.from_ns, .to_ns = times.to_ns, .from = row.frame_before(), .to = row.frame(), .bounds = at_end};
   if (!segment.is_jump()) {

@@ -38,9 +38,11 @@ BodyMotion motion_between(const std::optional<Sphere>& lone_sphere, const Frame&
 
 /// The motion by which an object got its newest pose.
 ///
-/// source  whose time it has
-/// at_end  its bounds at that pose
-MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Source& source, const Aabb& at_end);
+/// source     whose time it has
+/// at_end     its bounds at that pose
+/// all_along  of what moved in this step, its bounds on the way
+MotionSegment segment_of(const ObjectRows& rows, std::uint32_t slot, const Source& source, const Aabb& at_end,
+                         const Aabb& all_along);
 
 /// The motion phase of a step: how each object moves from its previous pose to its new one.
 /// threads  the writer's only
