@@ -9,11 +9,8 @@
 /// The names that explanations have as JSON, in the order of `collide explain --json`. Words are listed by their codes.
 namespace collided {
 
-inline constexpr const char* kVerdictWords[] = {"miss", "hit", "undecided", "invalid"};
 inline constexpr const char* kSideWords[] = {"outside", "inside", "undecided"};
 inline constexpr const char* kTouchWords[] = {"apart", "touching", "undecided"};
-inline constexpr const char* kUndecidedWords[] = {"",          "numeric",  "stale_object", "recovering",
-                                                  "truncated", "deadline", "not_covered"};
 inline constexpr const char* kRungWords[] = {"double", "expansion", "rational"};
 inline constexpr const char* kWhereMissedWords[] = {"beside", "start", "end"};
 inline constexpr const char* kApproachEndWords[] = {"found", "touched", "undecided", "cut_short"};
@@ -26,17 +23,16 @@ constexpr auto fields_of(const ExplainedMeeting*) {
   return std::tuple(field("object", &T::object), field("kind", &T::kind), field("distance", &T::distance_m),
                     field("error", &T::error_m), field("point", &T::point), field("normal", &T::normal),
                     field("triangle", &T::triangle), field("part", &T::part), field("level", &T::rung, kRungWords),
-                    field("inside", &T::inside), field("stale", &T::stale, Written::unless_empty),
-                    field("age_ns", &T::age), field("why", &T::why_left_out, Written::unless_empty));
+                    field("inside", &T::inside), field("stale", &T::stale, Written::unless_default),
+                    field("age_ns", &T::age), field("why", &T::why_left_out, Written::unless_default));
 }
 constexpr auto fields_of(const ExplainedMiss*) {
   using T = ExplainedMiss;
-  return std::tuple(field("object", &T::object), field("answer", &T::verdict, kVerdictWords),
-                    field("distance", &T::distance_m), field("error", &T::error_m), field("along", &T::along_m),
-                    field("on_ray", &T::on_ray), field("on_object", &T::on_object),
-                    field("point_error", &T::point_error_m), field("triangle", &T::triangle),
-                    field("where", &T::where, kWhereMissedWords), field("box_met", &T::box_met),
-                    field("why", &T::why_left_out, Written::unless_empty));
+  return std::tuple(field("object", &T::object), field("answer", &T::verdict), field("distance", &T::distance_m),
+                    field("error", &T::error_m), field("along", &T::along_m), field("on_ray", &T::on_ray),
+                    field("on_object", &T::on_object), field("point_error", &T::point_error_m),
+                    field("triangle", &T::triangle), field("where", &T::where, kWhereMissedWords),
+                    field("box_met", &T::box_met), field("why", &T::why_left_out, Written::unless_default));
 }
 constexpr auto fields_of(const ExplainedStale*) {
   using T = ExplainedStale;
@@ -47,13 +43,13 @@ constexpr auto fields_of(const Uncovered*) {
 }
 constexpr auto fields_of(const ExplainedRay*) {
   using T = ExplainedRay;
-  return std::tuple(
-      field("answer", &T::verdict, kVerdictWords), field("reason", &T::reason, kUndecidedWords),
-      field("level", &T::rung, kRungWords), field("boxes_met", &T::boxes_met), field("objects", &T::objects),
-      field("nodes", &T::nodes), field("exact_tests", &T::exact_tests), field("left_out_count", &T::left_out_count),
-      field("met", &T::met), field("left_out", &T::left_out), field("misses", &T::misses), field("stale", &T::stale),
-      field("unknown", &T::unknown), field("not_covered", &T::uncovered), field("cut", &T::cut, Written::unless_empty),
-      field("late", &T::late, Written::unless_empty), field("time_ns", &T::world_time), field("version", &T::version));
+  return std::tuple(field("answer", &T::verdict), field("reason", &T::reason), field("level", &T::rung, kRungWords),
+                    field("boxes_met", &T::boxes_met), field("objects", &T::objects), field("nodes", &T::nodes),
+                    field("exact_tests", &T::exact_tests), field("left_out_count", &T::left_out_count),
+                    field("met", &T::met), field("left_out", &T::left_out), field("misses", &T::misses),
+                    field("stale", &T::stale), field("unknown", &T::unknown), field("not_covered", &T::uncovered),
+                    field("cut", &T::cut, Written::unless_default), field("late", &T::late, Written::unless_default),
+                    field("time_ns", &T::world_time), field("version", &T::version));
 }
 
 // ---- two objects: what is told beside the answer of `pair` ---------------------------------------------------------
@@ -67,7 +63,7 @@ constexpr auto fields_of(const ExplainedApproach*) {
 constexpr auto fields_of(const ExplainedPair*) {
   using T = ExplainedPair;
   return std::tuple(field("why_not", &T::why_not), field("attached", &T::attached), field("nearest", &T::nearest),
-                    field("no_nearest", &T::no_nearest, Written::unless_empty));
+                    field("no_nearest", &T::no_nearest, Written::unless_default));
 }
 
 // ---- a fence, and the nearest --------------------------------------------------------------------------------------
@@ -76,10 +72,10 @@ constexpr auto fields_of(const ExplainedStanding*) {
   using T = ExplainedStanding;
   return std::tuple(field("object", &T::object), field("answer", &T::verdict, kSideWords),
                     field("clearance", &T::clearance_m), field("error", &T::error_m), field("on_fence", &T::on_fence),
-                    field("on_object", &T::on_object), field("stale", &T::stale, Written::unless_empty),
-                    field("why", &T::why_left_out, Written::unless_empty),
-                    field("told", &T::told, Written::unless_empty), field("since_ns", &T::since),
-                    field("episode", &T::episode, Written::unless_empty), field_with(&T::told, "doubt", &T::doubt));
+                    field("on_object", &T::on_object), field("stale", &T::stale, Written::unless_default),
+                    field("why", &T::why_left_out, Written::unless_default),
+                    field("told", &T::told, Written::unless_default), field("since_ns", &T::since),
+                    field("episode", &T::episode, Written::unless_default), field_if<&T::told>("doubt", &T::doubt));
 }
 constexpr auto fields_of(const ExplainedNews*) {
   using T = ExplainedNews;
@@ -94,18 +90,19 @@ constexpr auto fields_of(const ExplainedFence*) {
                     field("mask", &T::mask), field("tells", &T::tells), field("keep", &T::keep),
                     field("looked_at", &T::looked_at), field("inside", &T::inside), field("outside", &T::outside),
                     field("left_out", &T::left_out), field("asked_for", &T::asked_for), field("events", &T::events),
-                    field("late", &T::late, Written::unless_empty), field("time_ns", &T::world_time),
+                    field("late", &T::late, Written::unless_default), field("time_ns", &T::world_time),
                     field("version", &T::version));
 }
 constexpr auto fields_of(const ExplainedNearest*) {
   using T = ExplainedNearest;
-  return std::tuple(
-      field("nearest", &T::nearest), field("to", &T::to), field("point", &T::point), field("placed", &T::placed),
-      field("only", &T::only), field("skip", &T::skip), field("mask", &T::mask), field("within", &T::within_m),
-      field("hysteresis", &T::hysteresis_m), field("keep", &T::keep), field("looked_at", &T::looked_at),
-      field("is", &T::is, Written::as_list), field("others", &T::others), field("left_out", &T::left_out),
-      field("asked_for", &T::asked_for), field("events", &T::events), field("cut_short", &T::cut_short),
-      field("late", &T::late, Written::unless_empty), field("time_ns", &T::world_time), field("version", &T::version));
+  return std::tuple(field("nearest", &T::nearest), field("to", &T::to), field("point", &T::point),
+                    field("placed", &T::placed), field("only", &T::only), field("skip", &T::skip),
+                    field("mask", &T::mask), field("within", &T::within_m), field("hysteresis", &T::hysteresis_m),
+                    field("keep", &T::keep), field("looked_at", &T::looked_at), field("is", &T::is, Written::as_list),
+                    field("others", &T::others), field("left_out", &T::left_out), field("asked_for", &T::asked_for),
+                    field("events", &T::events), field("cut_short", &T::cut_short),
+                    field("late", &T::late, Written::unless_default), field("time_ns", &T::world_time),
+                    field("version", &T::version));
 }
 
 // ---- an event ------------------------------------------------------------------------------------------------------
@@ -113,10 +110,9 @@ constexpr auto fields_of(const ExplainedNearest*) {
 constexpr auto fields_of(const ExplainedBody*) {
   using T = ExplainedBody;
   return std::tuple(field("object", &T::object), field("remembered", &T::remembered),
-                    field_with(&T::remembered, "moving", &T::moving),
-                    field_with(&T::remembered, "publisher", &T::publisher),
-                    field_with(&T::remembered, "pose", &T::pose), field("motion_from_ns", &T::motion_from),
-                    field("motion_to_ns", &T::motion_to));
+                    field_if<&T::remembered>("moving", &T::moving),
+                    field_if<&T::remembered>("publisher", &T::publisher), field_if<&T::remembered>("pose", &T::pose),
+                    field("motion_from_ns", &T::motion_from), field("motion_to_ns", &T::motion_to));
 }
 constexpr auto fields_of(const ExplainedGap*) {
   using T = ExplainedGap;
@@ -126,8 +122,8 @@ constexpr auto fields_of(const ExplainedGap*) {
 constexpr auto fields_of(const ExplainedEvent*) {
   using T = ExplainedEvent;
   return std::tuple(field("sequence", &T::sequence), field("of", &T::of, kEventsOfWords), field("what", &T::what),
-                    field("a", &T::a), field("b", &T::b), field("margin", &T::margin, Written::unless_empty),
-                    field("within", &T::within, Written::unless_empty), field("why", &T::why),
+                    field("a", &T::a), field("b", &T::b), field("margin", &T::margin, Written::unless_default),
+                    field("within", &T::within, Written::unless_default), field("why", &T::why),
                     field("doubt", &T::doubt), field("depth", &T::depth_m), field("error", &T::error_m),
                     field("low_ns", &T::low), field("high_ns", &T::high), field("world_time_ns", &T::world_time),
                     field("point", &T::point), field("normal", &T::normal), field("bodies", &T::bodies),

@@ -23,11 +23,11 @@ namespace {
 template <Described T>
 Record record_of(const T& answer) {
   Record record;
-  for_each_field<T>([&](const auto& field) {
+  visit_fields<T>([&](const auto& field) {
     using Member = std::remove_cvref_t<decltype(field.of(answer))>;
     Value value = std::monostate{};
     if (!is_there(field, answer)) value = std::monostate{};
-    else if constexpr (std::is_enum_v<Member>) value = std::string_view(field.word(answer));
+    else if constexpr (std::is_enum_v<Member>) value = std::string_view(field.word(field.of(answer)));
     else if constexpr (std::is_same_v<Member, std::chrono::nanoseconds>) value = std::int64_t{field.of(answer).count()};
     else if constexpr (std::is_unsigned_v<Member> && !std::is_same_v<Member, bool>)
       value = std::uint64_t{field.of(answer)};
@@ -86,8 +86,7 @@ std::string far_text(const Printer& printer, const Row& row) {
 
 void print_answer_line(Printer& printer, const ExplainedRay& ray) {
   if (ray.verdict == Verdict::undecided)
-    printer.line(fmt::format("{}: {}", printer.paint(Paint::doubt, "undecided"),
-                             kUndecidedWords[static_cast<std::size_t>(ray.reason)]));
+    printer.line(fmt::format("{}: {}", printer.paint(Paint::doubt, "undecided"), name_of(ray.reason)));
   if (ray.verdict == Verdict::miss) printer.line("miss  nothing that may answer is on the ray");
   if (ray.met.empty()) return;
   const ExplainedMeeting& first = ray.met.front();

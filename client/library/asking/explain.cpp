@@ -4,12 +4,12 @@
 #include <utility>
 
 #include "client/library/asking/answer_times.hpp"
-#include "client/library/asking/pair.hpp"
 #include "client/library/asking/question_encoding.hpp"
 #include "client/library/commands/command.hpp"
 #include "client/library/commands/json_reading.hpp"
 #include "client/library/connection/errors.hpp"
 #include "idl/answers/explanation.hpp"
+#include "idl/answers/pair.hpp"
 #include "idl/commands.hpp"
 
 // The calls Client::explain_...: the command `explain` (idl/commands.hpp), and its answers read.
@@ -29,7 +29,7 @@ Result<Explained> explained(Client& asked, nlohmann::json arguments, const Expla
                              [](const nlohmann::json& answer) {
                                auto told = from_json<Explained>(answer);
                                if constexpr (std::is_same_v<Explained, ExplainedPair>)
-                                 told.answer = client::read_pair(answer);
+                                 told.answer = from_json<PairAnswer>(answer);
                                return told;
                              });
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "collided/client.hpp"
+#include "idl/described.hpp"
 
 namespace collided::client {
 
@@ -33,6 +34,12 @@ auto read_answer(const Result<std::string>& text, const char* command, Read&& re
     return Error{ErrorCode::internal, std::string(command) + ": the server's answer does not fit: " + unfit.what(),
                  "server and library may be of different versions"};
   }
+}
+
+/// The same for an answer that is described as a whole.
+template <Described Answer>
+Result<Answer> read_answer(const Result<std::string>& text, const char* command) {
+  return read_answer(text, command, [](const nlohmann::json& json) { return from_json<Answer>(json); });
 }
 
 }  // namespace collided::client

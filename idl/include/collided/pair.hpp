@@ -83,19 +83,19 @@ struct PairAnswer {
   Vec3 point = Vec3::Zero();               // for a hit: in the middle of the deepest overlap
   std::uint32_t a_triangle = kNoTriangle;  // for a hit: the deepest parts, where they are triangles
   std::uint32_t b_triangle = kNoTriangle;
-  std::vector<ManifoldPoint> manifold;  // for a hit
+  std::vector<ManifoldPoint> manifold = {};  // for a hit
   /// For a miss: the surfaces share no point, but one object lies within the other.
   Containment contained = Containment::none;
   /// The other one was declared solid: no motion shorter than depth_m takes the inner one out of it, and one of depth_m +
   /// depth_error_m does. The signed distance of the two is minus that.
   bool is_in_solid = false;
   double depth_error_m = 0;
-  std::vector<TrianglePair> triangle_pairs;  // ordered by a_triangle, then b_triangle
-  std::uint64_t triangle_pair_count = 0;     // of all there are, which is more than reported where `cut`
-  bool cut = false;                          // there are more than PairOptions::most_triangle_pairs
-  std::optional<Certificate> certificate;    // see proves()
-  std::string no_certificate;                // why there is none although it was requested
-  std::optional<SecondOpinion> opinion;      // where it was requested
+  std::vector<TrianglePair> triangle_pairs = {};  // ordered by a_triangle, then b_triangle
+  std::uint64_t triangle_pair_count = 0;          // of all there are, which is more than reported where `cut`
+  bool cut = false;                               // there are more than PairOptions::most_triangle_pairs
+  std::optional<Certificate> certificate = {};    // see proves()
+  std::string no_certificate = {};                // why there is none although it was requested
+  std::optional<SecondOpinion> opinion = {};      // where it was requested
 };
 
 }  // namespace collided

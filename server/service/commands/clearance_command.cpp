@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "idl/answers/pair.hpp"
 #include "server/geometry/mesh.hpp"
 #include "server/service/commands/certificate_encoding.hpp"
 #include "server/service/commands/measuring_commands.hpp"
@@ -14,33 +15,34 @@ using wire_contract::ReplyStatus;
 
 namespace {
 
-const char* word_of(Decision touches) {
-  static constexpr const char* kAnswers[] = {"miss", "hit", "undecided"};
-  return kAnswers[static_cast<std::size_t>(touches)];
-}
-
-json described(const MemberPair& pair, const Snapshot& state, bool with_certificate) {
-  static constexpr const char* kContained[] = {"", "a", "b"};
+ClearancePair told(const MemberPair& pair, const Snapshot& state, bool with_certificate) {
   const auto info_of = [&](ObjectId id) -> const ObjectInfo& { return *state.objects[slot_of(id)]; };
   const ObjectClearance& found = pair.clearance;
-  json row{{"a", info_of(pair.a).name},
-           {"b", info_of(pair.b).name},
-           {"a_id", pair.a},
-           {"b_id", pair.b},
-           {"answer", word_of(found.touches)},
-           {"clearance", found.clearance_m + 0.0},
-           {"error", number_or_inf(found.error_m)},
-           {"contained", kContained[static_cast<std::size_t>(found.contained)]},
-           {"on_a", numbers(found.on_a)},
-           {"on_b", numbers(found.on_b)},
-           {"point_error", number_or_inf(found.point_error_m)},
-           {"normal", numbers(found.normal)},
-           {"a_triangle", info_of(pair.a).reported_triangle(found.a_triangle)},
-           {"b_triangle", info_of(pair.b).reported_triangle(found.b_triangle)}};
-  if (pair.is_stale) row["stale"] = true;
-  if (pair.proof) row["certificate"] = certificate_json(*pair.proof);
-  else if (with_certificate) row["no_certificate"] = pair.no_proof;
+  ClearancePair row{.a = info_of(pair.a).name,
+                    .b = info_of(pair.b).name,
+                    .a_id = pair.a,
+                    .b_id = pair.b,
+                    .verdict = verdict_of(found.touches),
+                    .stale = pair.is_stale,
+                    .clearance_m = found.clearance_m,
+                    .error_m = found.error_m,
+                    .contained = static_cast<Containment>(found.contained),
+                    .on_a = found.on_a,
+                    .on_b = found.on_b,
+                    .point_error_m = found.point_error_m,
+                    .normal = found.normal,
+                    .a_triangle = info_of(pair.a).reported_triangle(found.a_triangle),
+                    .b_triangle = info_of(pair.b).reported_triangle(found.b_triangle)};
+  if (pair.proof) row.certificate = certificate_of(*pair.proof);
+  else if (with_certificate) row.no_certificate = pair.no_proof;
   return row;
+}
+
+UndecidedReason reason_of(const GroupClearance& found) {
+  if (found.touches != Decision::undecided) return UndecidedReason::none;
+  if (found.is_late) return UndecidedReason::deadline;
+  if (found.uncovered) return UndecidedReason::not_covered;
+  return found.is_stale ? UndecidedReason::stale_object : UndecidedReason::numeric;
 }
 
 /// A certificate has up to some thousand numbers.
@@ -114,20 +116,19 @@ MeasuringCommands::AskedGroups MeasuringCommands::asked_groups(const AwaitedJob&
 json MeasuringCommands::measured(const AskedGroups& asked) const {
   const Snapshot& state = asked.state();
   const GroupClearance found = clearance_of(state, asked.options, with_.part_meshes);
-  json answer{{"answer", word_of(found.touches)},
-              {"pairs", json::array()},
-              {"from_count", asked.options.from.size()},
-              {"to_count", asked.options.to.size()},
-              {"filtered", found.filtered},
-              {"tested", found.tested},
-              {"version", state.version}};
-  for (const MemberPair& pair : found.pairs)
-    answer["pairs"].push_back(described(pair, state, asked.options.certificates));
-  if (found.is_cut) answer["cut"] = true;
-  if (found.is_late) answer["late"] = true;
-  if (found.uncovered) answer["uncovered"] = numbers(*found.uncovered);
-  if (found.is_stale) answer["stale"] = true;
-  return answer;
+  ClearanceAnswer answer{.verdict = verdict_of(found.touches),
+                         .reason = reason_of(found),
+                         .cut = found.is_cut,
+                         .late = found.is_late,
+                         .stale = found.is_stale,
+                         .uncovered = found.uncovered,
+                         .from_count = asked.options.from.size(),
+                         .to_count = asked.options.to.size(),
+                         .filtered = found.filtered,
+                         .tested = found.tested,
+                         .version = state.version};
+  for (const MemberPair& pair : found.pairs) answer.pairs.push_back(told(pair, state, asked.options.certificates));
+  return json_of(answer);
 }
 
 void MeasuringCommands::clearance_later(CommandAsk ask, const Arguments& arguments) {

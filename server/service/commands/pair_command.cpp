@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "idl/answers/pair.hpp"
 #include "server/geometry/mesh.hpp"
 #include "server/service/commands/certificate_encoding.hpp"
 #include "server/service/commands/measuring_commands.hpp"
@@ -17,64 +18,56 @@ using nlohmann::json;
 
 namespace {
 
-void describe_touching(const PairReport& report, json& answer) {
-  const Contact& contact = report.contact;
-  answer["depth"] = contact.depth_m + 0.0;
-  answer["error"] = number_or_inf(contact.depth_error_m);
-  answer["normal"] = numbers(contact.normal);
-  answer["point"] = numbers(contact.point);
-  answer["a_triangle"] = report.a_triangle;
-  answer["b_triangle"] = report.b_triangle;
-  answer["manifold"] = json::array();
-  for (const ManifoldPoint& p : report.manifold) {
-    answer["manifold"].push_back(
-        {p.point.x(), p.point.y(), p.point.z(), p.depth_m, number_or_inf(p.depth_error_m), p.a_triangle, p.b_triangle});
-  }
+void tell_contact(const PairReport& report, PairAnswer& answer) {
+  answer.depth_m = report.contact.depth_m;
+  answer.error_m = report.contact.depth_error_m;
+  answer.normal = report.contact.normal;
+  answer.point = report.contact.point;
+  answer.a_triangle = report.a_triangle;
+  answer.b_triangle = report.b_triangle;
+  for (const ManifoldPoint& p : report.manifold)
+    answer.manifold.push_back({.point = p.point,
+                               .depth_m = p.depth_m,
+                               .error_m = p.depth_error_m,
+                               .a_triangle = p.a_triangle,
+                               .b_triangle = p.b_triangle});
 }
 
-void describe_apart(const PairReport& report, json& answer) {
-  static constexpr const char* kContained[] = {"", "a", "b"};
-  answer["distance"] = report.separation.distance_m;
-  answer["error"] = number_or_inf(report.separation.error_m);
-  answer["normal"] = numbers(report.separation.normal);
-  answer["on_a"] = numbers(report.separation.on_a);
-  answer["on_b"] = numbers(report.separation.on_b);
-  answer["point_error"] = number_or_inf(report.separation.point_error_m);
-  answer["contained"] = kContained[static_cast<std::size_t>(report.contained)];
+void tell_gap(const PairReport& report, PairAnswer& answer) {
+  answer.distance_m = report.separation.distance_m;
+  answer.error_m = report.separation.error_m;
+  answer.normal = report.separation.normal;
+  answer.on_a = report.separation.on_a;
+  answer.on_b = report.separation.on_b;
+  answer.point_error_m = report.separation.point_error_m;
+  answer.contained = static_cast<Containment>(report.contained);
+  answer.is_in_solid = report.within.has_value();
   if (!report.within) return;
-  answer["depth"] = report.within->depth_m + 0.0;
-  answer["depth_error"] = number_or_inf(report.within->depth_error_m);
+  answer.depth_m = report.within->depth_m;
+  answer.depth_error_m = report.within->depth_error_m;
 }
 
-/// The answer to `pair` as idl/commands.hpp lists it.
-json described(const PairReport& report, const PairAsk& ask) {
-  static constexpr const char* kAnswers[] = {"miss", "hit", "undecided"};
-  json answer{{"answer", kAnswers[static_cast<std::size_t>(report.touches)]}};
-  if (report.touches == Decision::yes) describe_touching(report, answer);
-  if (report.touches == Decision::no) describe_apart(report, answer);
-  if (report.is_stale) answer["stale"] = true;
-  if (report.is_late) answer["late"] = true;
-  if (ask.triangles) {
-    answer["pair_count"] = report.crossing_count;
-    answer["cut"] = report.crossing_count > report.crossings.size();
-    json& pairs = answer["triangle_pairs"] = json::array();
-    for (const TriangleCrossing& c : report.crossings) {
-      const Vec3& from = c.crossing.from;
-      const Vec3& to = c.crossing.to;
-      pairs.push_back({c.a, c.b, from.x(), from.y(), from.z(), to.x(), to.y(), to.z(), c.crossing.error_m});
-    }
-  }
-  if (report.proof) answer["certificate"] = certificate_json(*report.proof);
-  else if (ask.certificate) answer["no_certificate"] = report.no_proof;
+UndecidedReason reason_of(const PairReport& report) {
+  if (report.touches != Decision::undecided) return UndecidedReason::none;
+  if (report.is_late) return UndecidedReason::deadline;
+  return report.is_stale ? UndecidedReason::stale_object : UndecidedReason::numeric;
+}
+
+PairAnswer answer_of(const PairReport& report, const PairAsk& ask) {
+  PairAnswer answer{.verdict = verdict_of(report.touches), .reason = reason_of(report), .stale = report.is_stale};
+  if (report.touches == Decision::yes) tell_contact(report, answer);
+  if (report.touches == Decision::no) tell_gap(report, answer);
+  answer.triangle_pair_count = report.crossing_count;
+  answer.cut = report.crossing_count > report.crossings.size();
+  for (const TriangleCrossing& c : report.crossings)
+    answer.triangle_pairs.push_back({.a_triangle = c.a,
+                                     .b_triangle = c.b,
+                                     .from = c.crossing.from,
+                                     .to = c.crossing.to,
+                                     .error_m = c.crossing.error_m});
+  if (report.proof) answer.certificate = certificate_of(*report.proof);
+  else if (ask.certificate) answer.no_certificate = report.no_proof;
   return answer;
-}
-
-json described(const Opinion& opinion) {
-  json said{{"verdict", name_of(opinion.verdict)}};
-  if (opinion.touches) said["touches"] = *opinion.touches;
-  if (opinion.distance_m) said["distance"] = *opinion.distance_m;
-  if (!opinion.why.empty()) said["why"] = opinion.why;
-  return said;
 }
 
 /// Whether FCL's opinion is wanted; throws BadCommand for any other name.
@@ -128,13 +121,17 @@ MeasuringCommands::AskedPair MeasuringCommands::asked_pair(const AwaitedJob& job
 
 json MeasuringCommands::examined(const AskedPair& asked) const {
   const PairReport report = report_pair(asked.state(), asked.a, asked.b, asked.options);
-  json answer = described(report, asked.options);
+  PairAnswer answer = answer_of(report, asked.options);
   if (asked.is_fcl_asked) {
     const auto cancelled = [this] { return threads_.are_stopping(); };
-    answer["opinion"] = described(fcl_opinion(asked.state(), asked.a, asked.b, report, cancelled));
+    Opinion said = fcl_opinion(asked.state(), asked.a, asked.b, report, cancelled);
+    answer.opinion = {.verdict = static_cast<collided::OpinionVerdict>(said.verdict),
+                      .touches = said.touches,
+                      .distance_m = said.distance_m,
+                      .why = std::move(said.why)};
   }
-  answer["version"] = asked.state().version;
-  return answer;
+  answer.version = asked.state().version;
+  return json_of(answer);
 }
 
 void MeasuringCommands::pair_later(CommandAsk ask, const Arguments& arguments) {

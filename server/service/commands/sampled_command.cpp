@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "server/service/commands/certificate_encoding.hpp"
+#include "idl/described.hpp"
 #include "server/service/commands/command_family.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/question_samples.hpp"
@@ -70,7 +70,7 @@ json SampledCommands::sampled(const CommandAsk& ask, const Arguments& arguments)
     if (!sample.has_hit) continue;
     row["object"] = sample.object.data();
     row["distance"] = sample.hit.distance_m;
-    row["error"] = number_or_inf(sample.hit.error_m);
+    row["error"] = json_of(sample.hit.error_m);
     row["at"] = numbers(sample.hit.point);
     row["normal"] = numbers(sample.hit.normal);
   }

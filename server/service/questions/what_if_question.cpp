@@ -162,7 +162,7 @@ AnswerHit hit_of(const MemberPair& pair, bool second) {
   AnswerHit hit;
   hit.object = second ? pair.b : pair.a;
   hit.triangle = second ? found.b_triangle : found.a_triangle;
-  hit.flags = static_cast<std::uint8_t>((found.contained == inner ? kInside : 0) | (pair.is_stale ? kStale : 0));
+  hit.flags = static_cast<std::uint8_t>((found.contained == inner ? kHitInside : 0) | (pair.is_stale ? kHitStale : 0));
   hit.distance_m = found.clearance_m;
   hit.error_m = found.error_m;
   hit.point = second ? found.on_b : found.on_a;
@@ -172,8 +172,7 @@ AnswerHit hit_of(const MemberPair& pair, bool second) {
 }
 
 void put_answer(const WhatIfAnswer& given, const Snapshot& state, std::size_t place, Answers& answers) {
-  static constexpr Verdict kVerdicts[] = {Verdict::miss, Verdict::hit, Verdict::undecided};
-  answers.answers[place] = kVerdicts[static_cast<std::size_t>(given.touches)];
+  answers.answers[place] = verdict_of(given.touches);
   if (given.touches == Decision::undecided) {
     const bool is_numeric = given.nearest && !given.nearest->is_stale;
     answers.reasons[place] = given.is_late     ? UndecidedReason::deadline

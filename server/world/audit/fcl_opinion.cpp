@@ -63,11 +63,6 @@ double size_of(const OpinionRequest& request) {
 
 }  // namespace
 
-const char* name_of(OpinionVerdict verdict) {
-  static constexpr const char* kNames[] = {"agree", "differ", "failed", "unsupported"};
-  return kNames[static_cast<std::size_t>(verdict)];
-}
-
 void OpinionCounts::count(OpinionVerdict verdict) {
   switch (verdict) {
     case OpinionVerdict::agree: ++agree; break;

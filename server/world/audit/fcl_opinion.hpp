@@ -12,7 +12,6 @@
 namespace collided::engine {
 
 enum class OpinionVerdict : std::uint8_t { agree, differ, failed, unsupported };
-const char* name_of(OpinionVerdict verdict);
 
 /// What FCL says to a pair that has been answered here.
 struct Opinion {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "collided/codes.hpp"
 #include "server/exact_phase/manifold.hpp"
 #include "server/exact_phase/overlap/triangle_crossing.hpp"
 #include "server/exact_phase/proof.hpp"
@@ -14,6 +15,12 @@
 #include "server/world/query/part_pairs.hpp"
 
 namespace collided::engine {
+
+/// Of "do they touch?", as it is answered.
+constexpr codes::Verdict verdict_of(Decision touches) {
+  if (touches == Decision::undecided) return codes::Verdict::undecided;
+  return touches == Decision::yes ? codes::Verdict::hit : codes::Verdict::miss;
+}
 
 /// What a pair report should contain besides the answer.
 struct PairAsk {

@@ -64,10 +64,11 @@ struct ClearanceAnswer {
   /// touches.
   Verdict verdict = Verdict::miss;
   UndecidedReason reason = UndecidedReason::none;
-  std::vector<ClearancePair> pairs;  // least clearance first; empty where all are surely farther apart than asked for
-  bool cut = false;                  // more pairs are within ClearanceOptions::nearer_m than were to be reported
-  bool late = false;                 // the deadline was over: a nearer pair may be missing
-  bool stale = false;                // an object of a lost publisher may by now be in a pair that is nearer
+  std::vector<ClearancePair> pairs =
+      {};              // least clearance first; empty where all are surely farther apart than asked for
+  bool cut = false;    // more pairs are within ClearanceOptions::nearer_m than were to be reported
+  bool late = false;   // the deadline was over: a nearer pair may be missing
+  bool stale = false;  // an object of a lost publisher may by now be in a pair that is nearer
   /// Without ClearanceOptions::to, where space is stated to be covered: a point that is not, and nearer than what is told.
   std::optional<Vec3> uncovered = {};
   std::uint64_t from_count = 0;  // objects of the first group
