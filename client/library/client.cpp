@@ -8,9 +8,13 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/workers.hpp"
 #include "client/library/publishing/publisher.hpp"
+#include "client/library/watching/fence_news.hpp"
 #include "client/library/watching/fences.hpp"
+#include "client/library/watching/interpreted_watch.hpp"
+#include "client/library/watching/margin_news.hpp"
 #include "client/library/watching/margins.hpp"
 #include "client/library/watching/nearest.hpp"
+#include "client/library/watching/nearest_news.hpp"
 #include "client/library/watching/probes.hpp"
 #include "client/library/watching/watch.hpp"
 #include "collided/client.hpp"
@@ -122,11 +126,19 @@ Result<std::vector<ListedFence>> Client::fences(const std::string& name_glob) {
   return client::list_fences(*state_->connection, name_glob);
 }
 
+Result<Watch> Client::watch_standing(const WatchOptions& options) {
+  Result<std::unique_ptr<Watch::State>> watch = Watch::State::start(state_->connection, options, {}, WatchOf::fences);
+  if (!watch) return watch.error();
+  return Watch(std::move(*watch));
+}
+
 Result<FenceWatch> Client::watch_fences(const FenceWatchOptions& options) {
-  const WatchOptions watched{.only = options.only, .skip = options.skip, .capacity = options.capacity};
-  Result<std::unique_ptr<Watch::State>> watch = Watch::State::start(state_->connection, watched, {}, WatchOf::fences);
-  if (!watch) { return watch.error(); }
-  return FenceWatch(std::make_unique<client::FenceWatcher>(Watch(std::move(*watch))));
+  Result<Watch> watch = watch_standing({.only = options.only, .skip = options.skip, .capacity = options.capacity});
+  if (!watch) return watch.error();
+  return FenceWatch(std::make_unique<client::InterpretedWatch<FenceEvent>>(
+      std::move(*watch), [news = client::FenceNews()](const Event& event, auto& waiting) mutable {
+        for (FenceEvent& told : news.take(event)) waiting.push_back(std::move(told));
+      }));
 }
 
 Result<AddedMargin> Client::add_margin(const Margin& margin) { return client::add_margin(*state_->connection, margin); }
@@ -139,10 +151,12 @@ Result<std::vector<ListedMargin>> Client::margins(const std::string& name_glob) 
 
 Result<MarginWatch> Client::watch_margins(const MarginWatchOptions& options) {
   // Names are matched with the parts of a band's name, so not by the watch.
-  Result<std::unique_ptr<Watch::State>> watch =
-      Watch::State::start(state_->connection, {.capacity = options.capacity}, {}, WatchOf::fences);
+  Result<Watch> watch = watch_standing({.capacity = options.capacity});
   if (!watch) return watch.error();
-  return MarginWatch(Watch(std::move(*watch)), options);
+  return MarginWatch(std::make_unique<client::InterpretedWatch<MarginEvent>>(
+      std::move(*watch), [options](const Event& event, auto& waiting) {
+        if (std::optional<MarginEvent> told = client::margin_news(event, options)) waiting.push_back(std::move(*told));
+      }));
 }
 
 Result<void> Client::add_nearest(const NearestQuestion& nearest) {
@@ -157,16 +171,19 @@ Result<std::vector<ListedNearest>> Client::nearest(const std::string& name_glob)
 
 Result<NearestWatch> Client::watch_nearest(const NearestWatchOptions& options) {
   // Who was nearest before is matched, too, so not by the watch.
-  Result<std::unique_ptr<Watch::State>> watch =
-      Watch::State::start(state_->connection, {.capacity = options.capacity}, {}, WatchOf::fences);
+  Result<Watch> watch = watch_standing({.capacity = options.capacity});
   if (!watch) return watch.error();
-  return NearestWatch(std::make_unique<client::NearestWatcher>(Watch(std::move(*watch)), options));
+  return NearestWatch(std::make_unique<client::InterpretedWatch<NearestEvent>>(
+      std::move(*watch), [options, news = client::NearestNews()](const Event& event, auto& waiting) mutable {
+        std::optional<NearestEvent> told = news.take(event);
+        if (told && client::is_wanted(*told, options)) waiting.push_back(std::move(*told));
+      }));
 }
 
 Result<ProbeWatch> Client::watch_probes(const WatchOptions& options) {
-  Result<std::unique_ptr<ProbeWatch::State>> state = ProbeWatch::State::start(state_->connection, options);
-  if (!state) { return state.error(); }
-  return ProbeWatch(std::move(*state));
+  Result<std::unique_ptr<client::ProbeReader>> reader = client::ProbeReader::start(state_->connection, options);
+  if (!reader) return reader.error();
+  return ProbeWatch(std::move(*reader));
 }
 
 Result<ShownObjects> Client::shapes(const ShapesOptions& options, const ShownObjects* earlier) {

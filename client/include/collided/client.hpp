@@ -345,6 +345,7 @@ class Client {
   static Client over(std::shared_ptr<client::Connection> connection);
   template <Question Q>
   Result<Answers> ask_all(std::span<const Q> questions, const AskOptions& options, Answers&& earlier);
+  Result<Watch> watch_standing(const WatchOptions& options);
   std::unique_ptr<State> state_;
 };
 

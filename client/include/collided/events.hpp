@@ -12,6 +12,7 @@
 #include <collided/codes.hpp>
 #include <collided/containment.hpp>
 #include <collided/geometry.hpp>
+#include <collided/subscription.hpp>
 
 /// Contacts as they begin, go on and end.
 #pragma GCC visibility push(default)
@@ -101,25 +102,10 @@ struct WatchOptions {
 /// lost or the server was replaced, it compares the contact state with what it has reported and reports the difference,
 /// marked `resync`. What holds at the start comes first, as `open`.
 ///
-/// threads  calls from any thread. It has a thread of its own, on which a callback runs. Destroying it ends the
-///          watching and waits for that thread, so the callback must not destroy it.
-class Watch {
+/// threads  calls from any thread. It has a thread of its own, on which a callback runs; with one, next() never has an
+///          event. Destroying it waits for that thread, so the callback must not destroy it.
+class Watch : public Subscription<Event> {
  public:
-  ~Watch();
-  Watch(Watch&&) noexcept;
-  Watch& operator=(Watch&&) noexcept;
-
-  /// The next event; nothing if none comes within `wait`. With a callback there never is one.
-  std::optional<Event> next(std::chrono::nanoseconds wait);
-  /// Number of events dropped since next() was not called in time.
-  std::uint64_t lost() const;
-  /// How often something was missed and had to be made up for from the contact state.
-  std::uint64_t resyncs() const;
-  /// False while no status of the server has come for 240 ms.
-  bool connected() const;
-  /// True when the server has confirmed that this watch knows every contact: what held at its start has been reported
-  /// as `open`, and what comes from now on is new. False again while something missed is being made up for.
-  bool in_step() const;
   /// Number of contacts that hold now according to the events reported.
   std::size_t open_contacts() const;
   /// With WatchOptions::since: the time from which on events are reported, which is later than requested where the
@@ -131,7 +117,7 @@ class Watch {
   friend class client::ShardedWatching;
   struct State;
   explicit Watch(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
+  State& state() const;
 };
 
 }  // namespace collided

@@ -11,15 +11,12 @@
 #include <collided/events.hpp>
 #include <collided/geometry.hpp>
 #include <collided/shapes.hpp>
+#include <collided/subscription.hpp>
 
 /// Fences: regions of which the server says who comes in and who goes out.
 #pragma GCC visibility push(default)
 
 namespace collided {
-
-namespace client {
-class FenceWatcher;
-}
 
 /// An upright prism over a simple polygon, which need not be convex. Metres.
 struct Prism {
@@ -103,27 +100,7 @@ struct FenceWatchOptions {
 /// A subscription to all fences. Like a Watch it reports every event once and in order, makes up for what was missed from
 /// the state of who is in, marked `resync`, and begins with who is in already, as `inside`. Of each fence it reports what
 /// that is to tell.
-///
-/// threads  calls from any thread
-class FenceWatch {
- public:
-  ~FenceWatch();
-  FenceWatch(FenceWatch&&) noexcept;
-  FenceWatch& operator=(FenceWatch&&) noexcept;
-
-  /// The next event; nothing if none comes within `wait`.
-  std::optional<FenceEvent> next(std::chrono::nanoseconds wait);
-  /// As of a Watch.
-  std::uint64_t lost() const;
-  std::uint64_t resyncs() const;
-  bool connected() const;
-  bool in_step() const;
-
- private:
-  friend class Client;
-  explicit FenceWatch(std::unique_ptr<client::FenceWatcher> watcher);
-  std::unique_ptr<client::FenceWatcher> watcher_;
-};
+using FenceWatch = Subscription<FenceEvent>;
 
 }  // namespace collided
 

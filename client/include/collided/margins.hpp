@@ -8,6 +8,7 @@
 
 #include <collided/events.hpp>
 #include <collided/geometry.hpp>
+#include <collided/subscription.hpp>
 
 /// Margins: distance bands between objects, of which the server says when two come nearer and when they part.
 #pragma GCC visibility push(default)
@@ -103,28 +104,7 @@ struct MarginWatchOptions {
 };
 
 /// A subscription to all margins, as FenceWatch is one to all fences.
-///
-/// threads  calls from any thread
-class MarginWatch {
- public:
-  ~MarginWatch();
-  MarginWatch(MarginWatch&&) noexcept;
-  MarginWatch& operator=(MarginWatch&&) noexcept;
-
-  /// The next event; nothing if none comes within `wait`.
-  std::optional<MarginEvent> next(std::chrono::nanoseconds wait);
-  /// As of a Watch.
-  std::uint64_t lost() const;
-  std::uint64_t resyncs() const;
-  bool connected() const;
-  bool in_step() const;
-
- private:
-  friend class Client;
-  MarginWatch(Watch watch, MarginWatchOptions options);
-  Watch watch_;
-  MarginWatchOptions options_;
-};
+using MarginWatch = Subscription<MarginEvent>;
 
 }  // namespace collided
 

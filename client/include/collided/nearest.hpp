@@ -8,15 +8,12 @@
 
 #include <collided/events.hpp>
 #include <collided/geometry.hpp>
+#include <collided/subscription.hpp>
 
 /// Questions that stay for the nearest object: the server says when another one is nearest.
 #pragma GCC visibility push(default)
 
 namespace collided {
-
-namespace client {
-class NearestWatcher;
-}
 
 /// Which object of a group is nearest to another object, or to a point. The server follows all of them along their whole
 /// ways, as it does for contacts, and decides once all their publishers have said where they are. Objects that stand
@@ -81,27 +78,7 @@ struct NearestWatchOptions {
 };
 
 /// A subscription to all questions for the nearest, as FenceWatch is one to all fences.
-///
-/// threads  calls from any thread
-class NearestWatch {
- public:
-  ~NearestWatch();
-  NearestWatch(NearestWatch&&) noexcept;
-  NearestWatch& operator=(NearestWatch&&) noexcept;
-
-  /// The next event; nothing if none comes within `wait`.
-  std::optional<NearestEvent> next(std::chrono::nanoseconds wait);
-  /// As of a Watch.
-  std::uint64_t lost() const;
-  std::uint64_t resyncs() const;
-  bool connected() const;
-  bool in_step() const;
-
- private:
-  friend class Client;
-  explicit NearestWatch(std::unique_ptr<client::NearestWatcher> watcher);
-  std::unique_ptr<client::NearestWatcher> watcher_;
-};
+using NearestWatch = Subscription<NearestEvent>;
 
 }  // namespace collided
 

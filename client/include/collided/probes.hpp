@@ -8,6 +8,7 @@
 
 #include <collided/codes.hpp>
 #include <collided/geometry.hpp>
+#include <collided/subscription.hpp>
 
 /// Rays fixed to objects, for measuring clearance.
 #pragma GCC visibility push(default)
@@ -44,26 +45,8 @@ struct ProbeReading {
   std::chrono::nanoseconds world_time{0};  // of the state, since 1970, by the publishers' clocks
 };
 
-/// A subscription to the readings of every probe after every step, from its creation on. It queues them for next().
-///
-/// threads  calls from any thread
-class ProbeWatch {
- public:
-  ~ProbeWatch();
-  ProbeWatch(ProbeWatch&&) noexcept;
-  ProbeWatch& operator=(ProbeWatch&&) noexcept;
-
-  /// The next reading; nothing if none comes within `wait`.
-  std::optional<ProbeReading> next(std::chrono::nanoseconds wait);
-  /// Number of readings dropped since next() was not called in time.
-  std::uint64_t lost() const;
-
- private:
-  friend class Client;
-  struct State;
-  explicit ProbeWatch(std::unique_ptr<State> state);
-  std::unique_ptr<State> state_;
-};
+/// A subscription to the readings of every probe after every step, from its creation on.
+using ProbeWatch = Subscription<ProbeReading>;
 
 }  // namespace collided
 

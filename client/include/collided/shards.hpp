@@ -85,28 +85,20 @@ class ShardedPublisher {
 /// Event::epoch, sequence, episode, a_id and b_id are this watch's own: 0 for the epoch, and numbers that count from 1.
 ///
 /// threads  calls from any thread
-class ShardedWatch {
+class ShardedWatch : public Subscription<Event> {
  public:
-  ~ShardedWatch();
-  ShardedWatch(ShardedWatch&&) noexcept;
-  ShardedWatch& operator=(ShardedWatch&&) noexcept;
-
-  /// The next event; nothing if none comes within `wait`.
-  std::optional<Event> next(std::chrono::nanoseconds wait);
   /// World time up to which all events have been told.
   std::chrono::nanoseconds settled() const;
-  /// Number of events dropped since next() was not called in time.
-  std::uint64_t lost() const;
   /// How often something of a shard may be missing: it was not there for a while, its server was started again, or what it
   /// told was lost. That a standby took its server's place is none where all that it told was heard.
-  std::uint64_t gaps() const;
+  std::uint64_t gaps() const { return resyncs(); }
   /// Number of contacts that hold now according to the events reported.
   std::size_t open_contacts() const;
 
  private:
   friend class ShardedClient;
   explicit ShardedWatch(std::unique_ptr<client::ShardedWatching> state);
-  std::unique_ptr<client::ShardedWatching> state_;
+  client::ShardedWatching& state() const;
 };
 
 /// How two objects of a world on several shards stand to each other.

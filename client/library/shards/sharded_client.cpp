@@ -28,16 +28,10 @@ Result<void> ShardedPublisher::wait_applied(nanoseconds timeout) { return state_
 Result<PublisherReport> ShardedPublisher::report(nanoseconds timeout) { return state_->report(timeout); }
 std::size_t ShardedPublisher::copies() const { return state_->copies(); }
 
-ShardedWatch::ShardedWatch(std::unique_ptr<client::ShardedWatching> state) : state_(std::move(state)) {}
-ShardedWatch::~ShardedWatch() = default;
-ShardedWatch::ShardedWatch(ShardedWatch&&) noexcept = default;
-ShardedWatch& ShardedWatch::operator=(ShardedWatch&&) noexcept = default;
-
-std::optional<Event> ShardedWatch::next(nanoseconds wait) { return state_->next(wait); }
-nanoseconds ShardedWatch::settled() const { return state_->settled(); }
-std::uint64_t ShardedWatch::lost() const { return state_->lost(); }
-std::uint64_t ShardedWatch::gaps() const { return state_->gaps(); }
-std::size_t ShardedWatch::open_contacts() const { return state_->open_contacts(); }
+ShardedWatch::ShardedWatch(std::unique_ptr<client::ShardedWatching> state) : Subscription(std::move(state)) {}
+client::ShardedWatching& ShardedWatch::state() const { return static_cast<client::ShardedWatching&>(source()); }
+nanoseconds ShardedWatch::settled() const { return state().settled(); }
+std::size_t ShardedWatch::open_contacts() const { return state().open_contacts(); }
 
 ShardedClient::ShardedClient(std::shared_ptr<client::ShardLinks> links) : links_(std::move(links)) {}
 ShardedClient::~ShardedClient() = default;

@@ -137,7 +137,7 @@ bool ShardedWatching::is_outdated() const {
   return std::ranges::any_of(shards_, [](const WatchedShard& shard) {
     if (!shard.now) return false;
     const std::optional<EventPlace> through = shard.watch->told_through();
-    return !shard.watch->connected() || (through && through->epoch > shard.now->told.epoch);
+    return !shard.watch->health().connected || (through && through->epoch > shard.now->told.epoch);
   });
 }
 
@@ -162,7 +162,7 @@ void ShardedWatching::watch_new(std::size_t shard) {
 
 std::optional<ShardedWatching::ShardProgress> ShardedWatching::ask(std::size_t shard) {
   WatchedShard& watched = shards_[shard];
-  if (!watched.watch || !watched.watch->in_step() || !links_->answers(shard)) return std::nullopt;
+  if (!watched.watch || !watched.watch->health().in_step || !links_->answers(shard)) return std::nullopt;
   const Result<std::string> answer = command(*links_->connection(shard), wire_contract::command::kSettled,
                                              {{"watch", number_}, {"map", told_map_}}, kAskTimeout);
   const bool is_late = !answer && answer.error().code == ErrorCode::timeout && links_->answers(shard);

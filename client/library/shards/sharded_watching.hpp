@@ -21,15 +21,14 @@ namespace collided::client {
 
 /// A watch of each shard, and a thread that asks each one again and again how far it has decided. What every shard has
 /// decided, and told by the next time that it is asked, goes through EpisodeMerge to next().
-class [[gnu::visibility("hidden")]] ShardedWatching {
+class [[gnu::visibility("hidden")]] ShardedWatching : public Subscription<Event>::Source {
  public:
   ShardedWatching(std::shared_ptr<ShardLinks> links, const WatchOptions& options);
-  ~ShardedWatching();
+  ~ShardedWatching() override;
 
-  std::optional<Event> next(std::chrono::nanoseconds wait) { return events_.next(wait); }
+  std::optional<Event> next(std::chrono::nanoseconds wait) override { return events_.next(wait); }
+  SubscriptionHealth health() const override { return {.lost = events_.lost(), .resyncs = gaps_}; }
   std::chrono::nanoseconds settled() const { return std::chrono::nanoseconds(settled_ns_.load()); }
-  std::uint64_t lost() const { return events_.lost(); }
-  std::uint64_t gaps() const { return gaps_; }
   std::size_t open_contacts() const { return open_contacts_; }
 
  private:

@@ -124,31 +124,6 @@ Result<std::vector<ListedFence>> list_fences(Connection& connection, const std::
                      });
 }
 
-std::optional<FenceEvent> FenceWatcher::next(std::chrono::nanoseconds wait) {
-  const Clock::time_point until = Clock::now() + std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
-  const std::lock_guard lock(mutex_);
-  while (waiting_.empty()) {
-    const auto left = std::max<std::chrono::nanoseconds>(until - Clock::now(), std::chrono::nanoseconds(0));
-    const std::optional<Event> event = watch_.next(left);
-    if (!event) return std::nullopt;
-    for (FenceEvent& told : news_.take(*event)) waiting_.push_back(std::move(told));
-  }
-  FenceEvent event = std::move(waiting_.front());
-  waiting_.pop_front();
-  return event;
-}
-
 }  // namespace client
-
-FenceWatch::FenceWatch(std::unique_ptr<client::FenceWatcher> watcher) : watcher_(std::move(watcher)) {}
-FenceWatch::~FenceWatch() = default;
-FenceWatch::FenceWatch(FenceWatch&&) noexcept = default;
-FenceWatch& FenceWatch::operator=(FenceWatch&&) noexcept = default;
-
-std::optional<FenceEvent> FenceWatch::next(std::chrono::nanoseconds wait) { return watcher_->next(wait); }
-std::uint64_t FenceWatch::lost() const { return watcher_->watch().lost(); }
-std::uint64_t FenceWatch::resyncs() const { return watcher_->watch().resyncs(); }
-bool FenceWatch::connected() const { return watcher_->watch().connected(); }
-bool FenceWatch::in_step() const { return watcher_->watch().in_step(); }
 
 }  // namespace collided

@@ -85,25 +85,4 @@ Result<std::vector<ListedMargin>> list_margins(Connection& connection, const std
 
 }  // namespace client
 
-MarginWatch::MarginWatch(Watch watch, MarginWatchOptions options)
-    : watch_(std::move(watch)), options_(std::move(options)) {}
-MarginWatch::~MarginWatch() = default;
-MarginWatch::MarginWatch(MarginWatch&&) noexcept = default;
-MarginWatch& MarginWatch::operator=(MarginWatch&&) noexcept = default;
-
-std::optional<MarginEvent> MarginWatch::next(std::chrono::nanoseconds wait) {
-  const client::Clock::time_point until =
-      client::Clock::now() + std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
-  while (true) {
-    const auto left = std::max<std::chrono::nanoseconds>(until - client::Clock::now(), std::chrono::nanoseconds(0));
-    const std::optional<Event> event = watch_.next(left);
-    if (!event) return std::nullopt;
-    if (std::optional<MarginEvent> told = client::margin_news(*event, options_)) return told;
-  }
-}
-std::uint64_t MarginWatch::lost() const { return watch_.lost(); }
-std::uint64_t MarginWatch::resyncs() const { return watch_.resyncs(); }
-bool MarginWatch::connected() const { return watch_.connected(); }
-bool MarginWatch::in_step() const { return watch_.in_step(); }
-
 }  // namespace collided

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "client/library/connection/connection.hpp"
-#include "client/library/watching/margin_news.hpp"
 #include "collided/margins.hpp"
 
 namespace collided {

@@ -77,29 +77,6 @@ Result<std::vector<ListedNearest>> list_nearest(Connection& connection, const st
                      });
 }
 
-std::optional<NearestEvent> NearestWatcher::next(std::chrono::nanoseconds wait) {
-  const Clock::time_point until = Clock::now() + std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
-  const std::lock_guard lock(mutex_);
-  while (true) {
-    const auto left = std::max<std::chrono::nanoseconds>(until - Clock::now(), std::chrono::nanoseconds(0));
-    const std::optional<Event> event = watch_.next(left);
-    if (!event) return std::nullopt;
-    std::optional<NearestEvent> told = news_.take(*event);
-    if (told && is_wanted(*told, options_)) return told;
-  }
-}
-
 }  // namespace client
-
-NearestWatch::NearestWatch(std::unique_ptr<client::NearestWatcher> watcher) : watcher_(std::move(watcher)) {}
-NearestWatch::~NearestWatch() = default;
-NearestWatch::NearestWatch(NearestWatch&&) noexcept = default;
-NearestWatch& NearestWatch::operator=(NearestWatch&&) noexcept = default;
-
-std::optional<NearestEvent> NearestWatch::next(std::chrono::nanoseconds wait) { return watcher_->next(wait); }
-std::uint64_t NearestWatch::lost() const { return watcher_->watch().lost(); }
-std::uint64_t NearestWatch::resyncs() const { return watcher_->watch().resyncs(); }
-bool NearestWatch::connected() const { return watcher_->watch().connected(); }
-bool NearestWatch::in_step() const { return watcher_->watch().in_step(); }
 
 }  // namespace collided

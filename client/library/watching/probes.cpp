@@ -12,8 +12,7 @@
 #include "idl/commands.hpp"
 #include "idl/glob.hpp"
 
-namespace collided {
-namespace client {
+namespace collided::client {
 namespace {
 
 constexpr std::chrono::seconds kTimeout{10};
@@ -42,9 +41,7 @@ ProbeReading reading_of(const nlohmann::json& row) {
 }
 
 bool fits(const wire::ProbeFrame& frame, std::size_t name_count) {
-  const std::size_t count = frame.states._length;
-  return frame.objects._length == count && frame.met._length == count && frame.triangles._length == count &&
-         wire::row_count<wire::ProbeFrame>(frame, wire::kProbeColumns) == count && name_count == count;
+  return wire::has_rows<wire::ProbeFrameColumns>(frame, name_count);
 }
 
 }  // namespace
@@ -104,17 +101,7 @@ bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReadin
   return true;
 }
 
-}  // namespace client
-
-ProbeWatch::ProbeWatch(std::unique_ptr<State> state) : state_(std::move(state)) {}
-ProbeWatch::~ProbeWatch() = default;
-ProbeWatch::ProbeWatch(ProbeWatch&&) noexcept = default;
-ProbeWatch& ProbeWatch::operator=(ProbeWatch&&) noexcept = default;
-
-std::optional<ProbeReading> ProbeWatch::next(std::chrono::nanoseconds wait) { return state_->next(wait); }
-std::uint64_t ProbeWatch::lost() const { return state_->lost(); }
-
-ProbeWatch::State::State(std::shared_ptr<client::Connection> connection, const WatchOptions& options)
+ProbeReader::ProbeReader(std::shared_ptr<Connection> connection, const WatchOptions& options)
     : connection_(std::move(connection)),
       options_(options),
       topic_(connection_->participant(), connection_->options().name_space) {
@@ -124,20 +111,20 @@ ProbeWatch::State::State(std::shared_ptr<client::Connection> connection, const W
   take();
 }
 
-Result<std::unique_ptr<ProbeWatch::State>> ProbeWatch::State::start(std::shared_ptr<client::Connection> connection,
-                                                                    const WatchOptions& options) {
+Result<std::unique_ptr<ProbeReader>> ProbeReader::start(std::shared_ptr<Connection> connection,
+                                                        const WatchOptions& options) {
   try {
-    std::unique_ptr<State> state(new State(std::move(connection), options));
-    const client::Clock::time_point deadline = client::Clock::now() + state->connection_->options().wait;
-    const auto is_offered = [&] { return state->reader_->matched_writers() > 0; };
-    if (client::wait_until(deadline, is_offered)) return state;
-    if (state->connection_->pulse().silent()) return state->connection_->disconnected();
+    std::unique_ptr<ProbeReader> reader(new ProbeReader(std::move(connection), options));
+    const Clock::time_point deadline = Clock::now() + reader->connection_->options().wait;
+    const auto is_offered = [&] { return reader->reader_->matched_writers() > 0; };
+    if (wait_until(deadline, is_offered)) return reader;
+    if (reader->connection_->pulse().silent()) return reader->connection_->disconnected();
     return Error{ErrorCode::no_server, "probes: the server offers no readings", ""};
-  } catch (const dds::DdsError& failed) { return client::failure_of(failed); }
+  } catch (const dds::DdsError& failed) { return failure_of(failed); }
 }
 
 /// A callback that comes before its reader is there leaves the samples with it.
-void ProbeWatch::State::take() {
+void ProbeReader::take() {
   if (!has_reader_.load()) return;
   const std::lock_guard one(taking_mutex_);
   while (reader_->take(incoming_)) {
@@ -146,7 +133,7 @@ void ProbeWatch::State::take() {
     if (!info.valid_data || !connection_->is_from_server(*reader_, info, incoming_->server)) continue;
     if (incoming_->epoch < connection_->pulse().epoch())
       continue;  // an earlier server's, which was stopped and goes on
-    if (!client::decode(*incoming_, connection_->names(), decoded_)) { continue; }
+    if (!decode(*incoming_, connection_->names(), decoded_)) { continue; }
     const std::lock_guard lock(mutex_);
     for (ProbeReading& reading : decoded_) {
       const bool asked = options_.only.empty() || wire_contract::glob_matches(options_.only, reading.probe);
@@ -162,16 +149,14 @@ void ProbeWatch::State::take() {
   }
 }
 
-std::optional<ProbeReading> ProbeWatch::State::next(std::chrono::nanoseconds wait) {
+std::optional<ProbeReading> ProbeReader::next(std::chrono::nanoseconds wait) {
   std::unique_lock lock(mutex_);
   // An endless wait would overflow the clock, so it is cut to a year.
   const auto most = std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
-  if (!came_.wait_until(lock, client::Clock::now() + most, [this] { return !readings_.empty(); })) {
-    return std::nullopt;
-  }
+  if (!came_.wait_until(lock, Clock::now() + most, [this] { return !readings_.empty(); })) { return std::nullopt; }
   ProbeReading reading = std::move(readings_.front());
   readings_.pop_front();
   return reading;
 }
 
-}  // namespace collided
+}  // namespace collided::client

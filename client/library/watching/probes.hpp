@@ -7,9 +7,7 @@
 
 #include "client/library/connection/connection.hpp"
 
-namespace collided {
-
-namespace client {
+namespace collided::client {
 
 /// Client::add_probe, remove_probes and probes.
 Result<void> add_probe(Connection& connection, const Probe& probe);
@@ -19,23 +17,22 @@ Result<std::vector<ProbeReading>> read_probes(Connection& connection, const std:
 /// Appends the frame's readings; false where its columns differ in length.
 bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReading>& readings);
 
-}  // namespace client
-
 /// The reader of the probe topic, and the readings that wait for next().
 ///
 /// threads  any; DDS's thread queues, the caller's takes
-struct [[gnu::visibility("hidden")]] ProbeWatch::State {
-  static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection,
-                                              const WatchOptions& options);
+class [[gnu::visibility("hidden")]] ProbeReader : public Subscription<ProbeReading>::Source {
+ public:
+  static Result<std::unique_ptr<ProbeReader>> start(std::shared_ptr<Connection> connection,
+                                                    const WatchOptions& options);
 
-  std::optional<ProbeReading> next(std::chrono::nanoseconds wait);
-  std::uint64_t lost() const { return lost_; }
+  std::optional<ProbeReading> next(std::chrono::nanoseconds wait) override;
+  SubscriptionHealth health() const override { return {.lost = lost_, .connected = !connection_->pulse().silent()}; }
 
  private:
-  State(std::shared_ptr<client::Connection> connection, const WatchOptions& options);
+  ProbeReader(std::shared_ptr<Connection> connection, const WatchOptions& options);
   void take();
 
-  std::shared_ptr<client::Connection> connection_;
+  std::shared_ptr<Connection> connection_;
   WatchOptions options_;
   std::mutex mutex_;
   std::condition_variable came_;
@@ -50,4 +47,4 @@ struct [[gnu::visibility("hidden")]] ProbeWatch::State {
   std::optional<dds::Reader<wire::ProbeFrame>> reader_;
 };
 
-}  // namespace collided
+}  // namespace collided::client

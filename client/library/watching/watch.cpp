@@ -26,18 +26,10 @@ constexpr std::chrono::nanoseconds kLongestRecording = std::chrono::hours(24);
 
 }  // namespace
 
-Watch::Watch(std::unique_ptr<State> state) : state_(std::move(state)) {}
-Watch::~Watch() = default;
-Watch::Watch(Watch&&) noexcept = default;
-Watch& Watch::operator=(Watch&&) noexcept = default;
-
-std::optional<Event> Watch::next(std::chrono::nanoseconds wait) { return state_->next(wait); }
-std::uint64_t Watch::lost() const { return state_->lost(); }
-std::uint64_t Watch::resyncs() const { return state_->resyncs(); }
-bool Watch::connected() const { return state_->connected(); }
-bool Watch::in_step() const { return state_->in_step(); }
-std::size_t Watch::open_contacts() const { return state_->open_contacts(); }
-std::chrono::nanoseconds Watch::tells_since() const { return state_->tells_since(); }
+Watch::Watch(std::unique_ptr<State> state) : Subscription(std::move(state)) {}
+Watch::State& Watch::state() const { return static_cast<State&>(source()); }
+std::size_t Watch::open_contacts() const { return state().open_contacts(); }
+std::chrono::nanoseconds Watch::tells_since() const { return state().tells_since(); }
 
 Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback,
                     WatchOf subject)

@@ -18,19 +18,19 @@ namespace collided {
 
 /// A watch's readers and its thread. The readers' callbacks, on DDS's threads, only queue messages. The watch's thread
 /// decodes them, has client::WatchState make events of them, and calls the callback or queues the events for next().
-struct [[gnu::visibility("hidden")]] Watch::State {
+struct [[gnu::visibility("hidden")]] Watch::State : Subscription<Event>::Source {
   using Callback = std::function<void(const Event&)>;
   static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection,
                                               const WatchOptions& options, Callback callback,
                                               WatchOf subject = WatchOf::contacts);
-  ~State();
+  ~State() override;
 
-  std::optional<Event> next(std::chrono::nanoseconds wait) { return events_.next(wait); }
-  std::uint64_t lost() const { return events_.lost(); }
-  std::uint64_t resyncs() const { return resyncs_; }
+  std::optional<Event> next(std::chrono::nanoseconds wait) override { return events_.next(wait); }
+  SubscriptionHealth health() const override {
+    return {
+        .lost = events_.lost(), .resyncs = resyncs_, .connected = !connection_->pulse().silent(), .in_step = in_step_};
+  }
   std::size_t open_contacts() const { return open_contacts_; }
-  bool connected() const { return !connection_->pulse().silent(); }
-  bool in_step() const { return in_step_; }
   /// WatchState::emitted_through(): those events have been passed on.
   std::optional<client::EventPlace> told_through() const {
     const std::lock_guard lock(told_mutex_);

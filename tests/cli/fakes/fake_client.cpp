@@ -35,10 +35,35 @@ Answer hit_answer(std::vector<Hit> hits) {
   return answer;
 }
 
+/// What a test has put into a queue; once that is empty, nothing comes for a moment.
+template <class News>
+class Queued : public Subscription<News>::Source {
+ public:
+  explicit Queued(std::deque<News>& queue) : queue_(queue) {}
+  std::optional<News> next(std::chrono::nanoseconds wait) override {
+    {
+      const std::lock_guard lock(fake::server().mutex);
+      if (!queue_.empty()) {
+        News news = queue_.front();
+        queue_.pop_front();
+        return news;
+      }
+    }
+    std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
+    return std::nullopt;
+  }
+  SubscriptionHealth health() const override { return {}; }
+
+ private:
+  std::deque<News>& queue_;
+};
+
 }  // namespace fake
 
 struct Client::State {};
-struct Watch::State {};
+struct Watch::State : fake::Queued<Event> {
+  State() : Queued(fake::server().events) {}
+};
 struct Publisher::State {
   std::size_t index = 0;
 };
@@ -59,19 +84,6 @@ Result<Answers> answer_all(std::span<const Question> questions, const AskOptions
   answers.oldest_pose_age = std::chrono::microseconds(2100);
   for (const Question& question : questions) answers.answers.push_back(respond ? respond(question, options) : Answer{});
   return answers;
-}
-
-std::optional<Event> next_event(std::chrono::nanoseconds wait) {
-  {
-    const std::lock_guard lock(fake::server().mutex);
-    if (!fake::server().events.empty()) {
-      Event event = fake::server().events.front();
-      fake::server().events.pop_front();
-      return event;
-    }
-  }
-  std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
-  return std::nullopt;
 }
 
 template <class T>
@@ -240,26 +252,10 @@ Result<Poses> Client::poses(std::chrono::nanoseconds) {
   if (!fake::server().poses) return Error{ErrorCode::refused, "no poses", ""};
   return fake::server().poses();
 }
-struct ProbeWatch::State {};
 Result<ProbeWatch> Client::watch_probes(const WatchOptions& options) {
   fake::server().probes_watched_with = options;
-  return ProbeWatch(std::make_unique<ProbeWatch::State>());
+  return ProbeWatch(std::make_unique<fake::Queued<ProbeReading>>(fake::server().readings));
 }
-ProbeWatch::ProbeWatch(std::unique_ptr<State> state) : state_(std::move(state)) {}
-ProbeWatch::~ProbeWatch() = default;
-ProbeWatch::ProbeWatch(ProbeWatch&&) noexcept = default;
-ProbeWatch& ProbeWatch::operator=(ProbeWatch&&) noexcept = default;
-std::optional<ProbeReading> ProbeWatch::next(std::chrono::nanoseconds wait) {
-  std::deque<ProbeReading>& readings = fake::server().readings;
-  if (!readings.empty()) {
-    ProbeReading reading = readings.front();
-    readings.pop_front();
-    return reading;
-  }
-  std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
-  return std::nullopt;
-}
-std::uint64_t ProbeWatch::lost() const { return 0; }
 
 Result<void> Client::add_fence(const Fence& fence) {
   fake::server().fences.push_back(fence);
@@ -269,28 +265,10 @@ Result<std::size_t> Client::remove_fences(const std::string& name) {
   return std::erase_if(fake::server().fences, [&](const Fence& fence) { return fence.name == name; });
 }
 Result<std::vector<ListedFence>> Client::fences(const std::string&) { return fake::server().listed_fences; }
-namespace client {
-class FenceWatcher {};
-}  // namespace client
 Result<FenceWatch> Client::watch_fences(const FenceWatchOptions& options) {
   fake::server().fences_watched_with = options;
-  return FenceWatch(std::make_unique<client::FenceWatcher>());
+  return FenceWatch(std::make_unique<fake::Queued<FenceEvent>>(fake::server().fence_events));
 }
-FenceWatch::FenceWatch(std::unique_ptr<client::FenceWatcher> watcher) : watcher_(std::move(watcher)) {}
-FenceWatch::~FenceWatch() = default;
-FenceWatch::FenceWatch(FenceWatch&&) noexcept = default;
-FenceWatch& FenceWatch::operator=(FenceWatch&&) noexcept = default;
-std::optional<FenceEvent> FenceWatch::next(std::chrono::nanoseconds wait) {
-  std::deque<FenceEvent>& events = fake::server().fence_events;
-  if (!events.empty()) {
-    FenceEvent event = events.front();
-    events.pop_front();
-    return event;
-  }
-  std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
-  return std::nullopt;
-}
-std::uint64_t FenceWatch::lost() const { return 0; }
 
 Result<AddedMargin> Client::add_margin(const Margin& margin) {
   fake::server().margins.push_back(margin);
@@ -302,24 +280,8 @@ Result<std::size_t> Client::remove_margins(const std::string& name) {
 Result<std::vector<ListedMargin>> Client::margins(const std::string&) { return fake::server().listed_margins; }
 Result<MarginWatch> Client::watch_margins(const MarginWatchOptions& options) {
   fake::server().margins_watched_with = options;
-  return MarginWatch(Watch(std::make_unique<Watch::State>()), options);
+  return MarginWatch(std::make_unique<fake::Queued<MarginEvent>>(fake::server().margin_events));
 }
-MarginWatch::MarginWatch(Watch watch, MarginWatchOptions options)
-    : watch_(std::move(watch)), options_(std::move(options)) {}
-MarginWatch::~MarginWatch() = default;
-MarginWatch::MarginWatch(MarginWatch&&) noexcept = default;
-MarginWatch& MarginWatch::operator=(MarginWatch&&) noexcept = default;
-std::optional<MarginEvent> MarginWatch::next(std::chrono::nanoseconds wait) {
-  std::deque<MarginEvent>& events = fake::server().margin_events;
-  if (!events.empty()) {
-    MarginEvent event = events.front();
-    events.pop_front();
-    return event;
-  }
-  std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
-  return std::nullopt;
-}
-std::uint64_t MarginWatch::lost() const { return 0; }
 
 Result<void> Client::add_nearest(const NearestQuestion& nearest) {
   fake::server().nearest.push_back(nearest);
@@ -329,28 +291,10 @@ Result<std::size_t> Client::remove_nearest(const std::string& name) {
   return std::erase_if(fake::server().nearest, [&](const NearestQuestion& nearest) { return nearest.name == name; });
 }
 Result<std::vector<ListedNearest>> Client::nearest(const std::string&) { return fake::server().listed_nearest; }
-namespace client {
-class NearestWatcher {};
-}  // namespace client
 Result<NearestWatch> Client::watch_nearest(const NearestWatchOptions& options) {
   fake::server().nearest_watched_with = options;
-  return NearestWatch(std::make_unique<client::NearestWatcher>());
+  return NearestWatch(std::make_unique<fake::Queued<NearestEvent>>(fake::server().nearest_events));
 }
-NearestWatch::NearestWatch(std::unique_ptr<client::NearestWatcher> watcher) : watcher_(std::move(watcher)) {}
-NearestWatch::~NearestWatch() = default;
-NearestWatch::NearestWatch(NearestWatch&&) noexcept = default;
-NearestWatch& NearestWatch::operator=(NearestWatch&&) noexcept = default;
-std::optional<NearestEvent> NearestWatch::next(std::chrono::nanoseconds wait) {
-  std::deque<NearestEvent>& events = fake::server().nearest_events;
-  if (!events.empty()) {
-    NearestEvent event = events.front();
-    events.pop_front();
-    return event;
-  }
-  std::this_thread::sleep_for(std::min<std::chrono::nanoseconds>(wait, std::chrono::milliseconds(5)));
-  return std::nullopt;
-}
-std::uint64_t NearestWatch::lost() const { return 0; }
 
 Result<ServerStatus> Client::status() {
   const std::lock_guard lock(fake::server().mutex);
@@ -366,14 +310,7 @@ Result<Watch> Client::watch(const WatchOptions& options) {
   fake::server().watched_with = options;
   return Watch(std::make_unique<Watch::State>());
 }
-Watch::Watch(std::unique_ptr<State> state) : state_(std::move(state)) {}
-Watch::~Watch() = default;
-Watch::Watch(Watch&&) noexcept = default;
-Watch& Watch::operator=(Watch&&) noexcept = default;
-std::optional<Event> Watch::next(std::chrono::nanoseconds wait) { return next_event(wait); }
-std::uint64_t Watch::lost() const { return 0; }
-std::uint64_t Watch::resyncs() const { return 0; }
-bool Watch::connected() const { return true; }
+Watch::Watch(std::unique_ptr<State> state) : Subscription(std::move(state)) {}
 std::size_t Watch::open_contacts() const { return 0; }
 std::chrono::nanoseconds Watch::tells_since() const { return fake::server().tells_since; }
 
@@ -456,7 +393,11 @@ class ShardedPublishing {
  public:
   std::size_t index = 0;
 };
-class ShardedWatching {};
+class ShardedWatching : public fake::Queued<Event> {
+ public:
+  ShardedWatching() : Queued(fake::server().events) {}
+  SubscriptionHealth health() const override { return {.resyncs = fake::server().shard_gaps}; }
+};
 }  // namespace client
 
 Result<ShardedPublisher> ShardedClient::publish(const std::string& publisher_name, const PublishOptions& options) {
@@ -484,13 +425,7 @@ Result<ShardedWatch> ShardedClient::watch(const WatchOptions& options) {
   fake::server().watched_with = options;
   return ShardedWatch(std::make_unique<client::ShardedWatching>());
 }
-ShardedWatch::ShardedWatch(std::unique_ptr<client::ShardedWatching> state) : state_(std::move(state)) {}
-ShardedWatch::~ShardedWatch() = default;
-ShardedWatch::ShardedWatch(ShardedWatch&&) noexcept = default;
-ShardedWatch& ShardedWatch::operator=(ShardedWatch&&) noexcept = default;
-std::optional<Event> ShardedWatch::next(std::chrono::nanoseconds wait) { return next_event(wait); }
-std::uint64_t ShardedWatch::lost() const { return 0; }
-std::uint64_t ShardedWatch::gaps() const { return fake::server().shard_gaps; }
+ShardedWatch::ShardedWatch(std::unique_ptr<client::ShardedWatching> state) : Subscription(std::move(state)) {}
 
 std::string_view library_version() { return "0.1.0"; }
 

@@ -1,5 +1,5 @@
 // What the events of fences' topics say, by what each fence is to tell.
-#include "client/library/watching/fences.hpp"
+#include "client/library/watching/fence_news.hpp"
 #include "client/library/watching/margin_news.hpp"
 
 #include <gtest/gtest.h>

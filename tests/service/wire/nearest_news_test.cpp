@@ -1,5 +1,5 @@
 // What the events of fences' topics say of questions for the nearest: who follows whom.
-#include "client/library/watching/nearest.hpp"
+#include "client/library/watching/nearest_news.hpp"
 
 #include <gtest/gtest.h>
 
