@@ -3,7 +3,7 @@
 #include <bit>
 #include <cstring>
 
-#include "idl/wire_fields.hpp"
+#include "idl/messages.hpp"
 
 namespace collided::wire {
 namespace {

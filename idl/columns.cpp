@@ -66,8 +66,8 @@ std::size_t room_of(const Query& query) {
 std::int64_t busy_ns(const Status& status) {
   const auto publishers = dds::view(status.publishers);
   const auto silent = dds::view(status.silent_ns);
-  const bool is_busy =
-      !publishers.empty() && publishers.size() == silent.size() && publishers.back() == wire_contract::kBusyWorld;
+  const bool is_busy = !publishers.empty() && publishers.size() == silent.size() &&
+                       publishers.back() == wire_contract::kPublisherBusyWorld;
   return is_busy ? std::max<std::int64_t>(1, silent.back()) : 0;
 }
 

@@ -1,13 +1,16 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
 #include <optional>
 #include <span>
+#include <type_traits>
 #include <vector>
 
 #include "idl/dds.hpp"
+#include "idl/messages.hpp"
 
 /// Converts between rows of numbers, as programs keep them, and the named columns of collided.idl in which they travel.
 /// A ray is a row of seven numbers: its origin goes to `points`, its direction to `directions`, its length to
@@ -41,31 +44,58 @@ inline constexpr Column<Reply> kSweepHitColumns[] = {
     {&Reply::sweep_ends, 1}, {&Reply::sweep_widths, 1}, {&Reply::sweep_begins, 1}, {&Reply::points, 3},
     {&Reply::normals, 3},    {&Reply::weights, 3},      {&Reply::point_errors, 1}};
 inline constexpr Column<Reply> kUncoveredColumns[] = {{&Reply::uncovered_points, 3}, {&Reply::uncovered_distances, 1}};
-inline constexpr Column<EventFrame> kEventColumns[] = {{&EventFrame::points, 3},
-                                                       {&EventFrame::normals, 3},
-                                                       {&EventFrame::depths, 1},
-                                                       {&EventFrame::depth_errors, 1},
-                                                       {&EventFrame::surface_normals, 3},
-                                                       {&EventFrame::surface_depths, 1},
-                                                       {&EventFrame::surface_depth_errors, 1},
-                                                       {&EventFrame::bracket_lows, 1},
-                                                       {&EventFrame::bracket_highs, 1},
-                                                       {&EventFrame::velocities, 3},
-                                                       {&EventFrame::velocity_errors, 1}};
-inline constexpr Column<ContactShard> kContactColumns[] = {{&ContactShard::points, 3},
-                                                           {&ContactShard::normals, 3},
-                                                           {&ContactShard::depths, 1},
-                                                           {&ContactShard::depth_errors, 1},
-                                                           {&ContactShard::surface_normals, 3},
-                                                           {&ContactShard::surface_depths, 1},
-                                                           {&ContactShard::surface_depth_errors, 1}};
-inline constexpr Column<ProbeFrame> kProbeColumns[] = {{&ProbeFrame::clearances, 1},
-                                                       {&ProbeFrame::clearance_errors, 1},
-                                                       {&ProbeFrame::points, 3},
-                                                       {&ProbeFrame::normals, 3}};
-
 template <class Message>
 using Columns = std::span<const Column<Message>>;
+
+/// The columns of numbers in a message whose columns have an entry for each row.
+template <class Columns>
+constexpr auto number_columns() {
+  using Numbers = dds_sequence_double Columns::Message::*;
+  constexpr std::size_t kCount = [] {
+    std::size_t count = 0;
+    Columns::for_each(
+        [&]<class Sequence>(Sequence, auto, std::uint32_t) { count += std::is_same_v<Sequence, Numbers>; });
+    return count;
+  }();
+  std::array<Column<typename Columns::Message>, kCount> columns{};
+  std::size_t number = 0;
+  Columns::for_each([&]<class Sequence>(Sequence sequence, auto, std::uint32_t width) {
+    if constexpr (std::is_same_v<Sequence, Numbers>) columns[number++] = {sequence, width};
+  });
+  return columns;
+}
+inline constexpr auto kEventColumns = number_columns<EventFrameColumns>();
+inline constexpr auto kContactColumns = number_columns<ContactShardColumns>();
+inline constexpr auto kProbeColumns = number_columns<ProbeFrameColumns>();
+
+/// Empties all columns; they keep their memory.
+template <class Columns>
+void clear(Columns& columns) {
+  Columns::for_each([&](auto, auto column, std::uint32_t) { (columns.*column).clear(); });
+}
+/// Points the message at the columns, without a copy; valid until they change.
+template <class Columns>
+void lend(const Columns& columns, typename Columns::Message& message) {
+  Columns::for_each(
+      [&](auto sequence, auto column, std::uint32_t) { dds::borrow(message.*sequence, columns.*column); });
+}
+/// Whether each column has so many rows, but for those that have entries of their own.
+template <class Columns>
+bool has_rows(const typename Columns::Message& message, std::size_t rows) {
+  bool fits = true;
+  Columns::for_each([&](auto sequence, auto, std::uint32_t width) {
+    fits = fits && (width == 0 || (message.*sequence)._length == rows * width);
+  });
+  return fits;
+}
+/// What a row takes in a message, in bytes.
+template <class Columns>
+constexpr std::size_t bytes_of_row() {
+  std::size_t bytes = 0;
+  Columns::for_each(
+      [&]<class Value>(auto, std::vector<Value> Columns::*, std::uint32_t width) { bytes += width * sizeof(Value); });
+  return bytes;
+}
 
 /// The columns of a question of this kind; empty for a command and other kinds that ask nothing about the world.
 Columns<Query> question_columns(wire_contract::QuestionKind kind);
@@ -119,7 +149,7 @@ inline void copy_rows(std::uint32_t width, const double* from, std::size_t from_
   }
 }
 
-/// How long the server's world has been busy with one step, by this status; 0: it is not (kBusyWorld).
+/// How long the server's world has been busy with one step, by this status; 0: it is not (kPublisherBusyWorld).
 std::int64_t busy_ns(const Status& status);
 
 /// Puts rows into `memory` column by column and points the message there: `memory` must outlive the write.

@@ -5,6 +5,7 @@
 #include <iterator>
 #include <utility>
 
+#include "collided/codes.hpp"
 #include "idl/unit_quaternion.hpp"
 
 /// What makes a row of numbers a question. The client refuses by these rules before it sends, the server again on
@@ -54,6 +55,28 @@ inline constexpr NumberField kSweepFields[] = {{"from", 0, 3, NumberRule::point}
                                                {"rotation", 10, 4, NumberRule::rotation}};
 inline constexpr NumberField kPoseFields[] = {{"position", 0, 3, NumberRule::point},
                                               {"rotation", 3, 4, NumberRule::rotation}};
+
+/// How many numbers a row has.
+inline constexpr std::uint32_t kRayNumbers = 7;
+inline constexpr std::uint32_t kSphereNumbers = 4;
+inline constexpr std::uint32_t kBoxNumbers = 10;
+inline constexpr std::uint32_t kNearNumbers = 4;
+inline constexpr std::uint32_t kInsideNumbers = 3;
+inline constexpr std::uint32_t kPoseNumbers = 7;
+inline constexpr std::uint32_t kSweepNumbers = 2 * kPoseNumbers;
+/// Of a question of this kind; of what-if of each object's pose; 0 for kinds that ask nothing about the world.
+constexpr std::uint32_t numbers_of(codes::QuestionKind kind) {
+  switch (kind) {
+    case codes::QuestionKind::ray: return kRayNumbers;
+    case codes::QuestionKind::sphere: return kSphereNumbers;
+    case codes::QuestionKind::box: return kBoxNumbers;
+    case codes::QuestionKind::near: return kNearNumbers;
+    case codes::QuestionKind::sweep: return kSweepNumbers;
+    case codes::QuestionKind::inside: return kInsideNumbers;
+    case codes::QuestionKind::what_if: return kPoseNumbers;
+    default: return 0;
+  }
+}
 
 /// Whether the field's numbers keep its rule. NaN never does. Always inline: with a constant field it is a few
 /// comparisons.

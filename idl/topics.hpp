@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "collided/codes.hpp"
+#include "idl/question_rules.hpp"
 
 /// Names, codes, limits and times that both sides of the wire share, and the table of topics with their QoS, which
 /// dds.hpp turns into entities.
@@ -20,6 +21,20 @@ using codes::EventKind;
 using codes::HitMode;
 using codes::Importance;
 using codes::InstantKind;
+using codes::kDoubtPosesMerged;
+using codes::kHitByWinding;
+using codes::kHitInside;
+using codes::kHitStale;
+using codes::kNoTriangle;
+using codes::kObjectPublisherItself;
+using codes::kPolicyEntersWithInstant;
+using codes::kPosesAllSaid;
+using codes::kPosesBringsObjects;
+using codes::kPosesMoreFollows;
+using codes::kPosesStreamed;
+using codes::kPosesTeleported;
+using codes::kPublisherBusyWorld;
+using codes::kTriangleWithin;
 using codes::LostPolicy;
 using codes::MemberRole;
 using codes::name_of;
@@ -31,55 +46,11 @@ using codes::ServerState;
 using codes::UndecidedReason;
 using codes::Verdict;
 
-/// The triangle of a primitive, which has none.
-inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
-/// In its place in events and contacts: the object lies wholly within the other, a solid.
-inline constexpr std::uint32_t kWithin = 0xfffffffe;
-
 /// The last DDS domain. RTPS ports are 7400 + 250 * domain + ...: those of a later domain do not fit into 16 bits.
 inline constexpr int kLastDomain = 230;
 
-/// kInside: the ray begins inside the solid, or the point of near or inside is in it or on it. kStale: the object's publisher is
-/// lost and its policy is `freeze`. kByWinding: inside by the winding number of a mesh that does not close; the distance is
-/// that of its surface.
-enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kByWinding = 4 };
-/// In a Definition's lost_policy, beside the policy: the object has been elsewhere, and enters this world with the first
-/// instant of its publisher that follows the definition (definitions_through), as of the instant before that.
-inline constexpr std::uint8_t kEntersWithInstant = 0x80;
-/// In an event's doubts, beside the Doubt: the server had more poses than it could apply and replaced some of the object or
-/// the other one by newer ones, so that it went straight between those that are left.
-inline constexpr std::uint8_t kPosesMerged = 0x80;
-/// kTeleported: the objects are placed at their poses, not moved there.
-/// kAllSaid: the publisher has sent all its definitions again before this batch, with the poses that it sent last.
-/// kStreamed: the publisher's objects move between their own poses; without, one that an instant leaves out rested. In a
-/// batch without objects: the publisher lives, and says nothing about its objects.
-/// kMoreFollows: more batches of the same instant follow; all of them are applied with the last.
-/// kBringsObjects: objects of the publisher that are elsewhere may enter (kEntersWithInstant), so time waits for its instants
-/// while it has none here.
-enum PoseFlags : std::uint8_t { kTeleported = 1, kAllSaid = 2, kStreamed = 4, kMoreFollows = 8, kBringsObjects = 16 };
-/// Numbers of a question's row, by kind; columns.hpp has their order.
-inline constexpr std::uint32_t kRayNumbers = 7;
-inline constexpr std::uint32_t kSphereNumbers = 4;
-inline constexpr std::uint32_t kBoxNumbers = 10;
-inline constexpr std::uint32_t kNearNumbers = 4;
-inline constexpr std::uint32_t kSweepNumbers = 14;
-inline constexpr std::uint32_t kInsideNumbers = 3;
-inline constexpr std::uint32_t kPoseNumbers = 7;
 /// The last one of the kinds.
 inline constexpr QuestionKind kLastKind = QuestionKind::what_if;
-/// Numbers of a question of this kind; of what-if of each object's pose; 0 for kinds that ask nothing about the world.
-inline constexpr std::uint32_t numbers_of(QuestionKind kind) {
-  switch (kind) {
-    case QuestionKind::ray: return kRayNumbers;
-    case QuestionKind::sphere: return kSphereNumbers;
-    case QuestionKind::box: return kBoxNumbers;
-    case QuestionKind::near: return kNearNumbers;
-    case QuestionKind::sweep: return kSweepNumbers;
-    case QuestionKind::inside: return kInsideNumbers;
-    case QuestionKind::what_if: return kPoseNumbers;
-    default: return 0;
-  }
-}
 /// Numbers of a velocity and a hit.
 inline constexpr std::uint32_t kVelocityNumbers = 6;
 inline constexpr std::uint32_t kHitNumbers = 13;
@@ -164,13 +135,8 @@ inline constexpr std::int64_t kDefaultGapNs = 1'500'000'000;
 /// The gaps that are allowed. No pair waits for a publisher that is 10 s behind.
 inline constexpr std::int64_t kLeastGapNs = 1'000'000;
 inline constexpr std::int64_t kMostGapNs = 8'000'000'000;
-/// In a Definition: no object but the publisher itself. `removed` is set, and position[0] is the gap in seconds.
-inline constexpr std::uint32_t kPublisherItself = 0xffffffff;
 /// From one status to the next.
 inline constexpr std::int64_t kStatusPeriodNs = 50'000'000;
-/// In a Status's publishers: no publisher but the thread that steps the world, listed last while one step keeps it from
-/// writing a status. Its silent_ns is how long that has lasted; all other columns are those of the status before.
-inline constexpr std::uint64_t kBusyWorld = 0;
 /// A world whose step lasts longer than this stands still for a standby: the server hangs.
 inline constexpr std::int64_t kWorldHangsNs = 10'000'000'000;
 /// From one message of a member about itself to the next.

@@ -7,6 +7,7 @@
 #include <new>
 #include <thread>
 
+#include "idl/columns.hpp"
 #include "server/geometry/float_environment.hpp"
 #include "server/intake/scene_file/scene_file.hpp"
 #include "server/service/questions/validation.hpp"
@@ -351,12 +352,12 @@ void WorldLoop::publish_probes(const Stamp& stamp) {
     return info ? std::string_view(info->name) : std::string_view();
   };
   const auto send = [&] {
-    probe_columns_.named.fill(name_of);
+    put_names(probe_columns_, name_of);
     with_.event_writer.write_probes(probe_columns_, stamp);
-    probe_columns_.clear();
+    wire::clear(probe_columns_);
   };
   const std::vector<ProbeReading>& readings = read_probes();
-  probe_columns_.clear();
+  wire::clear(probe_columns_);
   for (std::size_t i = 0; i < readings.size(); ++i) {
     probe_columns_.add(probes_.definition(i).name, readings[i]);
     if (probe_columns_.size() == wire_contract::kMaxProbesPerFrame) send();
@@ -412,9 +413,7 @@ void WorldLoop::write_step() {
 }
 
 void WorldLoop::list_publishers(bool with_names) {
-  for (auto* column : {&status_.publishers, &status_.applied_sequences}) column->clear();
-  status_.silent_ns.clear();
-  for (auto* column : {&status_.publisher_states, &status_.publisher_names}) column->clear();
+  wire::clear(status_);
   auto applied = applied_.begin();
   const bool asks = steady_ns() < asks_until_ns_.load(std::memory_order_relaxed);
   publishers_.for_each(with_.clock.now_ns(), [&](const PublisherView& view) {

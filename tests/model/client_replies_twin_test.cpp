@@ -65,8 +65,8 @@ class RepliesTwin : public testing::Test {
       for (std::uint32_t k = 0; k < made.hit_counts.back(); ++k) {
         made.objects.push_back(1 + below(9));
         made.triangles.push_back(below(99));
-        made.flags.push_back(static_cast<std::uint8_t>((chance(0.3) ? wire_contract::kInside : 0) |
-                                                       (chance(0.3) ? wire_contract::kStale : 0)));
+        made.flags.push_back(static_cast<std::uint8_t>((chance(0.3) ? wire_contract::kHitInside : 0) |
+                                                       (chance(0.3) ? wire_contract::kHitStale : 0)));
         for (std::uint32_t n = 0; n < wire_contract::kHitNumbers; ++n) made.numbers.push_back(below(1'000'000) * 0.001);
       }
     }
@@ -86,8 +86,8 @@ class RepliesTwin : public testing::Test {
       EXPECT_EQ(told.object_id, from.objects[hit]);
       EXPECT_EQ(told.object, "#" + std::to_string(from.objects[hit]));
       EXPECT_EQ(told.triangle, from.triangles[hit]);
-      EXPECT_EQ(told.inside, (from.flags[hit] & wire_contract::kInside) != 0);
-      EXPECT_EQ(told.stale, (from.flags[hit] & wire_contract::kStale) != 0);
+      EXPECT_EQ(told.inside, (from.flags[hit] & wire_contract::kHitInside) != 0);
+      EXPECT_EQ(told.stale, (from.flags[hit] & wire_contract::kHitStale) != 0);
       EXPECT_EQ(told.distance_m, n[0]);
       EXPECT_EQ(told.error_m, n[1]);
       EXPECT_EQ(told.exit_m, n[2]);

@@ -183,7 +183,7 @@ void PlainPublishers::move(const service::PoseSample& sample, std::int64_t now_n
 
 void PlainPublishers::apply(std::uint64_t id, Party& party, const service::PoseSample& sample, std::int64_t now_ns) {
   take_said_again(id, party, sample.sequence);
-  if ((sample.flags & wire_contract::kAllSaid) != 0) party.said_all = true;
+  if ((sample.flags & wire_contract::kPosesAllSaid) != 0) party.said_all = true;
   std::set<std::uint32_t> named;
   bool any = false;
   for (std::size_t i = 0; i < sample.object_numbers.size(); ++i) {

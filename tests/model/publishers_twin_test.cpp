@@ -86,7 +86,7 @@ class PublishersTwin : public testing::Test {
     sample.sequence = ++sender.sequence;
     sample.definitions_through =
         make_.chance(0.2) ? sample.sequence + static_cast<std::uint64_t>(make_.below(12)) : sender.last_definition;
-    sample.flags = make_.chance(0.02) ? wire_contract::kAllSaid : 0;
+    sample.flags = make_.chance(0.02) ? wire_contract::kPosesAllSaid : 0;
     sample.received_ns = now_ns_;
     const bool with_velocities = make_.chance(0.5);
     for (std::uint32_t number = 0; number < kNumbers; ++number) {

@@ -105,7 +105,7 @@ std::vector<AnswerHit> ray(const std::vector<Part>& parts, const Snapshot& snaps
     RayHit hit;
     if (!meets(asked, part, hit)) continue;
     AnswerHit answer{.object = part.object, .triangle = part.triangle};
-    answer.flags = hit.inside ? kInside : 0;
+    answer.flags = hit.inside ? kHitInside : 0;
     answer.distance_m = hit.distance_m;
     answer.error_m = hit.distance_error_m;
     answer.exit_m = hit.exit_m;
@@ -191,7 +191,7 @@ std::vector<AnswerHit> near(const std::vector<Part>& parts, const Snapshot& snap
     if (!std::isinf(n[3]) && !is_within(n[3])) continue;
     AnswerHit hit{.object = part.object, .triangle = part.triangle};
     const bool is_held = !std::holds_alternative<Triangle>(part.shape) && is_within(0);
-    hit.flags = is_held ? kInside : 0;
+    hit.flags = is_held ? kHitInside : 0;
     hit.distance_m = is_held ? 0 : found.distance_m;
     hit.error_m = is_held ? 0 : with_underflow(found.distance_m, found.distance_error_m + part.placing_m(point));
     hit.point = is_held ? point : found.point;

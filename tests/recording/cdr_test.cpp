@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "idl/cdr.hpp"
-#include "idl/wire_fields.hpp"
+#include "idl/messages.hpp"
 #include "tests/oracle/seed.hpp"
 #include "tests/service/wire/network.hpp"
 

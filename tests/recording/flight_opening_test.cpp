@@ -66,7 +66,7 @@ TEST(FlightOpening, IsTheNewestOfEachObjectWhateverTheOrder) {
 // A publisher's gap is said once, at its beginning; a replay of what came later needs it. Signs of life do not date poses.
 TEST(FlightOpening, HasThePublishersGapAndTheTimeOfItsPoses) {
   FlightOpening opening;
-  dds::Sample<wire::Definition> itself = definition(7, wire_contract::kPublisherItself, 1, true);
+  dds::Sample<wire::Definition> itself = definition(7, wire_contract::kObjectPublisherItself, 1, true);
   itself->position[0] = 2;
   opening.fold(*itself);
   opening.fold(*definition(7, 0, 2));
@@ -77,7 +77,7 @@ TEST(FlightOpening, HasThePublishersGapAndTheTimeOfItsPoses) {
   alive->publisher = 7;
   alive->incarnation = posed->incarnation;
   alive->source_time_ns = 2'000;
-  alive->flags = wire_contract::kStreamed;
+  alive->flags = wire_contract::kPosesStreamed;
   opening.fold(*alive);
   std::vector<double> gaps_s;
   std::vector<std::int64_t> times_ns;
@@ -85,7 +85,7 @@ TEST(FlightOpening, HasThePublishersGapAndTheTimeOfItsPoses) {
     dds::Sample<wire::Definition> said;
     dds::Sample<wire::PoseBatch> poses;
     if (topic == Recorded::object && wire::read_cdr(data, said) &&
-        said->object_number == wire_contract::kPublisherItself)
+        said->object_number == wire_contract::kObjectPublisherItself)
       gaps_s.push_back(said->position[0]);
     if (topic == Recorded::pose && wire::read_cdr(data, poses)) times_ns.push_back(poses->source_time_ns);
   });
@@ -137,7 +137,7 @@ TEST(FlightOpening, ItsPosesSayWhatTheyAreOf) {
   EXPECT_EQ(told->sequence_number, 4U);
   EXPECT_EQ(told->definitions_through, 3U);
   EXPECT_EQ(told->source_time_ns, 400);
-  EXPECT_EQ(told->flags, wire_contract::kTeleported);
+  EXPECT_EQ(told->flags, wire_contract::kPosesTeleported);
 }
 
 TEST(FlightOpening, ANewLifeOfAPublisherReplacesTheOld) {

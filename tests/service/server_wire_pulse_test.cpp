@@ -22,7 +22,7 @@ class BusyPrimary {
     status_->server = 7;
   }
   void beat(std::int64_t busy_ns) {
-    const std::vector<std::uint64_t> publishers{wire_contract::kBusyWorld}, applied{0};
+    const std::vector<std::uint64_t> publishers{wire_contract::kPublisherBusyWorld}, applied{0};
     const std::vector<std::int64_t> silent{busy_ns};
     const std::vector<std::uint8_t> states{0}, names{0};
     if (busy_ns > 0) {

@@ -1,4 +1,3 @@
-#include "idl/columns.hpp"
 #include "tests/simulation/recording_event_writer.hpp"
 
 namespace collided::simulation {
@@ -11,8 +10,8 @@ void RecordingEventWriter::check(const service::EventColumns& events, std::size_
   last_sequence_ = sequence;
   const std::pair pair(events.a[i], events.b[i]);
   if (!(pair.first < pair.second)) say("names its pair the wrong way round");
-  const double low_s = events.numbers[i * wire::width_of<wire::EventFrame>(wire::kEventColumns) + 13];
-  const double high_s = events.numbers[i * wire::width_of<wire::EventFrame>(wire::kEventColumns) + 14];
+  const double low_s = events.bracket_lows[i];
+  const double high_s = events.bracket_highs[i];
   // A clock of another epoch counts from its first batch, which may have been under way for longer than those after it.
   constexpr double kLongestWay_s = 0.06;
   // Ahead of the server's by a lease when it starts, then put right from one end to the other, and 2 % too fast for 5 s.
@@ -46,24 +45,18 @@ std::uint64_t RecordingEventWriter::speak(const service::SpokenBefore& before) {
   return first;
 }
 
+template <class Columns>
+void RecordingEventWriter::put_columns(const Columns& columns) {
+  Columns::for_each([&](auto, auto column, std::uint32_t) { payload_.put(columns.*column); });
+}
+
 void RecordingEventWriter::write_frame(const service::EventColumns& events, const service::Stamp& stamp,
                                        bool is_again) {
   payload_.put(epoch_);
   payload_.put(stamp.world_time_ns);
   payload_.put(static_cast<std::uint8_t>(is_again));
   payload_.put(events.first_sequence);
-  payload_.put(events.kinds);
-  payload_.put(events.reasons);
-  payload_.put(events.doubts);
-  payload_.put(events.shards);
-  payload_.put(events.a);
-  payload_.put(events.b);
-  payload_.put(events.a_triangles);
-  payload_.put(events.b_triangles);
-  payload_.put(events.episodes);
-  payload_.put(events.numbers);
-  payload_.put(events.named.ids);
-  payload_.put(events.named.names);
+  put_columns(events);
   payload_.send(voice_ == Voice::is_expected ? Kind::expected : Kind::frame, now_ns_, to_);
 }
 
@@ -73,16 +66,7 @@ void RecordingEventWriter::write_contacts(const service::ContactColumns& contact
   payload_.put(epoch_);
   payload_.put(as_of_sequence);
   payload_.put(contacts.shard);
-  payload_.put(contacts.doubts);
-  payload_.put(contacts.a);
-  payload_.put(contacts.b);
-  payload_.put(contacts.a_triangles);
-  payload_.put(contacts.b_triangles);
-  payload_.put(contacts.episodes);
-  payload_.put(contacts.began_ns);
-  payload_.put(contacts.numbers);
-  payload_.put(contacts.named.ids);
-  payload_.put(contacts.named.names);
+  put_columns(contacts);
   payload_.send(Kind::shard, now_ns_, to_);
 }
 

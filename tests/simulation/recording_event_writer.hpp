@@ -42,6 +42,8 @@ class RecordingEventWriter : public service::EventWriter {
 
  private:
   void check(const service::EventColumns& events, std::size_t i);
+  template <class Columns>
+  void put_columns(const Columns& columns);
   void write_frame(const service::EventColumns& events, const service::Stamp& stamp, bool is_again);
 
   std::uint64_t epoch_;

@@ -114,7 +114,7 @@ void SimulatedFleet::act(Host& host, std::size_t number) {
 
 void SimulatedFleet::flush(Host& host, bool everything) {
   PoseSample sample = host.publisher.flush(now_ns_, false, everything);
-  if (now_ns_ < host.all_said_until_ns) sample.flags |= wire_contract::kAllSaid;
+  if (now_ns_ < host.all_said_until_ns) sample.flags |= wire_contract::kPosesAllSaid;
   send(sample);
 }
 
@@ -123,7 +123,7 @@ void SimulatedFleet::define_all(Host& host) {
   host.all_said_until_ns = now_ns_ + 2'000'000'000;
   for (const DefinitionSample& sample : host.publisher.define_all()) send(sample);
   PoseSample sign_of_life = host.publisher.word();
-  sign_of_life.flags |= wire_contract::kAllSaid;
+  sign_of_life.flags |= wire_contract::kPosesAllSaid;
   send(sign_of_life);
 }
 

@@ -97,7 +97,7 @@ PoseSample SimulatedPublisher::flush(std::int64_t now_ns, bool teleported, bool 
   sample.sequence = ++sequence_;
   sample.definitions_through = definitions_through_;
   sample.source_time_ns = clock_.stamp(now_ns);
-  sample.flags = teleported ? wire_contract::kTeleported : 0;
+  sample.flags = teleported ? wire_contract::kPosesTeleported : 0;
   for (auto& [number, object] : objects_) {
     if (!object.is_moved && !everything) continue;
     object.is_moved = false;

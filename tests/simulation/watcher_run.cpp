@@ -19,6 +19,15 @@ namespace {
 
 client::ServerLife life_of(std::uint64_t epoch) { return {epoch, epoch}; }
 
+template <class Columns>
+Columns columns_of(Message& message) {
+  Columns columns;
+  Columns::for_each([&]<class Value>(auto, std::vector<Value> Columns::*column, std::uint32_t) {
+    columns.*column = message.get_all<Value>();
+  });
+  return columns;
+}
+
 /// Decoded as off the wire: the same checks and the same book of names.
 client::HeardFrame frame_of(Message& message, client::Names& names) {
   dds::Sample<wire::EventFrame> frame;
@@ -28,30 +37,8 @@ client::HeardFrame frame_of(Message& message, client::Names& names) {
   const bool is_again = message.get<std::uint8_t>() != 0;
   frame->version = is_again ? 0 : 1;
   frame->first_sequence = message.get<std::uint64_t>();
-  const auto kinds = message.get_all<std::uint8_t>();
-  const auto reasons = message.get_all<std::uint8_t>();
-  const auto doubts = message.get_all<std::uint8_t>();
-  const auto shards = message.get_all<std::uint8_t>();
-  const auto a = message.get_all<std::uint64_t>();
-  const auto b = message.get_all<std::uint64_t>();
-  const auto a_triangles = message.get_all<std::uint32_t>();
-  const auto b_triangles = message.get_all<std::uint32_t>();
-  const auto episodes = message.get_all<std::uint64_t>();
-  const auto numbers = message.get_all<double>();
-  const auto ids = message.get_all<std::uint64_t>();
-  const auto text = message.get_all<std::uint8_t>();
-  dds::borrow(frame->kinds, kinds);
-  dds::borrow(frame->reasons, reasons);
-  dds::borrow(frame->doubts, doubts);
-  dds::borrow(frame->shards, shards);
-  dds::borrow(frame->a, a);
-  dds::borrow(frame->b, b);
-  dds::borrow(frame->a_triangles, a_triangles);
-  dds::borrow(frame->b_triangles, b_triangles);
-  dds::borrow(frame->episodes, episodes);
-  test::put_rows<wire::EventFrame>(*frame, wire::kEventColumns, numbers);
-  dds::borrow(frame->named_ids, ids);
-  dds::borrow(frame->names, text);
+  const auto columns = columns_of<wire::EventFrameColumns>(message);
+  wire::lend(columns, *frame);
   return client::decode(*frame, names).value();
 }
 
@@ -61,26 +48,8 @@ client::HeardShard shard_of(Message& message, client::Names& names) {
   shard->server = life_of(shard->epoch).server;
   shard->as_of_sequence = message.get<std::uint64_t>();
   shard->shard = message.get<std::uint8_t>();
-  const auto doubts = message.get_all<std::uint8_t>();
-  const auto a = message.get_all<std::uint64_t>();
-  const auto b = message.get_all<std::uint64_t>();
-  const auto a_triangles = message.get_all<std::uint32_t>();
-  const auto b_triangles = message.get_all<std::uint32_t>();
-  const auto episodes = message.get_all<std::uint64_t>();
-  const auto began_ns = message.get_all<std::int64_t>();
-  const auto numbers = message.get_all<double>();
-  const auto ids = message.get_all<std::uint64_t>();
-  const auto text = message.get_all<std::uint8_t>();
-  dds::borrow(shard->doubts, doubts);
-  dds::borrow(shard->a, a);
-  dds::borrow(shard->b, b);
-  dds::borrow(shard->a_triangles, a_triangles);
-  dds::borrow(shard->b_triangles, b_triangles);
-  dds::borrow(shard->episodes, episodes);
-  dds::borrow(shard->began_ns, began_ns);
-  test::put_rows<wire::ContactShard>(*shard, wire::kContactColumns, numbers);
-  dds::borrow(shard->named_ids, ids);
-  dds::borrow(shard->names, text);
+  const auto columns = columns_of<wire::ContactShardColumns>(message);
+  wire::lend(columns, *shard);
   return client::decode(*shard, names).value();
 }
 

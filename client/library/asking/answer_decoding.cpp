@@ -50,9 +50,9 @@ void decode_hit(const wire::Reply& reply, std::size_t index, const Names& names,
   hit.normal = vector_in(reply.normals, index);
   hit.weights = vector_in(reply.weights, index);
   hit.point_error_m = dds::view(reply.point_errors)[index];
-  hit.inside = (flags & wire_contract::kInside) != 0;
-  hit.by_winding = (flags & wire_contract::kByWinding) != 0;
-  hit.stale = (flags & wire_contract::kStale) != 0;
+  hit.inside = (flags & wire_contract::kHitInside) != 0;
+  hit.by_winding = (flags & wire_contract::kHitByWinding) != 0;
+  hit.stale = (flags & wire_contract::kHitStale) != 0;
 }
 
 std::optional<Uncovered> uncovered_of(const wire::Reply& reply, std::uint32_t question) {

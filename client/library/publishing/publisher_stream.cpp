@@ -141,7 +141,7 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   definition.removed = removed;
   definition.moving = object.options.moving;
   definition.lost_policy = static_cast<std::uint8_t>(object.options.lost_policy);
-  if (object.enters && !removed) definition.lost_policy |= wire_contract::kEntersWithInstant;
+  if (object.enters && !removed) definition.lost_policy |= wire_contract::kPolicyEntersWithInstant;
   static_cast<void>(dds::set_text(definition.name, object.options.name));  // its length was checked
   definition.layers = object.options.layers;
   definition.mask = object.options.mask;
@@ -160,7 +160,7 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
 std::optional<Error> Publisher::State::write_gap() {
   if (gap_.count() == wire_contract::kDefaultGapNs) return std::nullopt;
   wire::Definition& definition = *definition_;
-  definition.object_number = wire_contract::kPublisherItself;
+  definition.object_number = wire_contract::kObjectPublisherItself;
   definition.sequence_number = sequence_ + 1;
   definition.removed = true;
   definition.position[0] = static_cast<double>(gap_.count()) * wire_contract::kNanosecond_s;
@@ -182,17 +182,17 @@ void Publisher::State::fill_batch(std::uint8_t flags, std::int64_t time_ns) {
   batch_->definitions_through = definitions_through_;
   batch_->source_time_ns = time_ns;
   batch_->flags = flags;
-  if (is_streamed_) batch_->flags |= wire_contract::kStreamed;
-  if (is_announced_) batch_->flags |= wire_contract::kBringsObjects;
+  if (is_streamed_) batch_->flags |= wire_contract::kPosesStreamed;
+  if (is_announced_) batch_->flags |= wire_contract::kPosesBringsObjects;
   if (time_ns != 0) last_instant_ = Clock::now();
-  if (Clock::now() - defined_all_ < kSaysSo) batch_->flags |= wire_contract::kAllSaid;
+  if (Clock::now() - defined_all_ < kSaysSo) batch_->flags |= wire_contract::kPosesAllSaid;
 }
 
 /// Says that everything has rested up to then; or only that this publisher lives. The message has no number, since a server
 /// that misses it lacks no pose, and since a number would hide that an earlier message was missed.
 std::optional<Error> Publisher::State::write_instant(std::int64_t time_ns, bool is_only_alive) {
   batch_->sequence_number = 0;
-  fill_batch(is_only_alive ? wire_contract::kStreamed : 0, time_ns);
+  fill_batch(is_only_alive ? wire_contract::kPosesStreamed : 0, time_ns);
   dds::borrow(batch_->object_numbers, std::span<const std::uint32_t>());
   wire::lend_columns<wire::PoseBatch>({}, wire::kPoseColumns, pose_columns_, *batch_);
   return guarded([&]() -> std::optional<Error> {
@@ -233,8 +233,8 @@ std::optional<Error> Publisher::State::send_waiting(std::int64_t time_ns) {
     const bool teleported = plain_left == 0;
     const std::size_t of_a_kind = teleported ? objects_.waiting().size() : plain_left;
     const std::size_t count = std::min<std::size_t>(of_a_kind, kMaxPosesPerBatch);
-    std::uint8_t flags = teleported ? wire_contract::kTeleported : 0;
-    if (count < objects_.waiting().size()) flags |= wire_contract::kMoreFollows;
+    std::uint8_t flags = teleported ? wire_contract::kPosesTeleported : 0;
+    if (count < objects_.waiting().size()) flags |= wire_contract::kPosesMoreFollows;
     if (auto error = write_batch(objects_.waiting().first(count), flags, time_ns)) { return error; }
     objects_.mark_sent(count);
     plain_left -= teleported ? 0 : count;

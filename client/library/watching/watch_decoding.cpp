@@ -20,24 +20,15 @@ Doubt doubt_of(std::uint8_t code) {
 }
 
 bool fits(const wire::EventFrame& frame) {
-  const std::size_t count = frame.kinds._length;
   const auto kinds = dds::view(frame.kinds);
   const auto reasons = dds::view(frame.reasons);
-  return frame.reasons._length == count && frame.shards._length == count && frame.a._length == count &&
-         frame.b._length == count && frame.a_triangles._length == count && frame.b_triangles._length == count &&
-         frame.episodes._length == count && frame.doubts._length == count &&
-         wire::row_count<wire::EventFrame>(frame, wire::kEventColumns) == count &&
+  return wire::has_rows<wire::EventFrameColumns>(frame, kinds.size()) &&
          std::all_of(kinds.begin(), kinds.end(),
                      [](auto k) { return k <= static_cast<int>(wire_contract::EventKind::emerged); }) &&
          std::all_of(reasons.begin(), reasons.end(), [](auto r) { return r <= static_cast<int>(EndReason::allowed); });
 }
 
-bool fits(const wire::ContactShard& shard) {
-  const std::size_t count = shard.a._length;
-  return shard.b._length == count && shard.a_triangles._length == count && shard.b_triangles._length == count &&
-         shard.episodes._length == count && shard.began_ns._length == count && shard.doubts._length == count &&
-         wire::row_count<wire::ContactShard>(shard, wire::kContactColumns) == count;
-}
+bool fits(const wire::ContactShard& shard) { return wire::has_rows<wire::ContactShardColumns>(shard, shard.a._length); }
 
 // What frames and shards have in common.
 template <class Message>
@@ -49,8 +40,8 @@ Event decode_pair(const Message& message, std::size_t index, const Names& names)
   event.b = names.name(event.b_id);
   event.a_triangle = dds::view(message.a_triangles)[index];
   event.b_triangle = dds::view(message.b_triangles)[index];
-  if (event.a_triangle == wire_contract::kWithin) event.contained = Containment::a_in_b;
-  if (event.b_triangle == wire_contract::kWithin) event.contained = Containment::b_in_a;
+  if (event.a_triangle == wire_contract::kTriangleWithin) event.contained = Containment::a_in_b;
+  if (event.b_triangle == wire_contract::kTriangleWithin) event.contained = Containment::b_in_a;
   if (event.contained != Containment::none)
     (event.contained == Containment::a_in_b ? event.a_triangle : event.b_triangle) = kNoTriangle;
   event.epoch = message.epoch;
@@ -63,8 +54,8 @@ Event decode_pair(const Message& message, std::size_t index, const Names& names)
   event.surface_depth_m = dds::view(message.surface_depths)[index];
   event.surface_depth_error_m = dds::view(message.surface_depth_errors)[index];
   const std::uint8_t doubts = dds::view(message.doubts)[index];
-  event.doubt = doubt_of(static_cast<std::uint8_t>(doubts & ~wire_contract::kPosesMerged));
-  event.poses_merged = (doubts & wire_contract::kPosesMerged) != 0;
+  event.doubt = doubt_of(static_cast<std::uint8_t>(doubts & ~wire_contract::kDoubtPosesMerged));
+  event.poses_merged = (doubts & wire_contract::kDoubtPosesMerged) != 0;
   return event;
 }
 

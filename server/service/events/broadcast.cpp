@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "idl/columns.hpp"
 #include "server/world/fences/fences.hpp"
 
 namespace collided::engine::service {
@@ -46,7 +47,7 @@ void Broadcast::publish_events(const Stamp& stamp, FunctionRef<bool(ObjectId)> i
   const auto name_of = [&](ObjectId id) { return names_.name(id); };
   const auto send = [&](EventColumns& frame, bool persisted) {
     if (frame.size() == 0) return;
-    frame.named.fill(name_of);
+    put_names(frame, name_of);
     if (persisted) {
       event_writer_.write_persisted(frame, stamp);
     } else if (subject_ == BroadcastOf::fences) {
@@ -54,10 +55,10 @@ void Broadcast::publish_events(const Stamp& stamp, FunctionRef<bool(ObjectId)> i
     } else {
       event_writer_.write_events(frame, stamp);
     }
-    frame.clear();
+    wire::clear(frame);
   };
-  events_.clear();
-  persisted_.clear();
+  wire::clear(events_);
+  wire::clear(persisted_);
   for (const Event& event : events()) {
     const bool persisted = event.kind == EventKind::persisted;
     if (!persisted) {
@@ -92,13 +93,16 @@ void Broadcast::publish_contacts(const Stamp& stamp) {
   for (std::uint32_t shard = 0; shard < dirty_shards_.size(); ++shard) {
     if (dirty_shards_[shard] == 0) continue;
     dirty_shards_[shard] = 0;
-    contacts_.clear();
+    wire::clear(contacts_);
     contacts_.shard = static_cast<std::uint8_t>(shard);
     for (const std::uint32_t i : of_shard_[shard]) contacts_.add(holding[i], names_);
-    contacts_.named.fill(name_of);
+    put_names(contacts_, name_of);
     // DDS delivers no larger message. Names can be done without, contacts cannot.
     constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
-    if (contacts_.bytes() > kRoom) contacts_.named.clear();
+    if (contacts_.bytes() > kRoom) {
+      contacts_.named_ids.clear();
+      contacts_.names.clear();
+    }
     if (contacts_.bytes() > kRoom) {
       notice_(subject_ == BroadcastOf::fences
                   ? "more objects are in fences than the topic of that carries; who joins now will not learn them all"

@@ -22,14 +22,6 @@ std::string fitting_lines(const std::string& lines, std::size_t room) {
   return (end == std::string::npos ? std::string() : lines.substr(0, end + 1)) + "...";
 }
 
-void borrow_publishers(wire::Status& to, const StatusColumns& from) {
-  dds::borrow(to.publishers, from.publishers);
-  dds::borrow(to.applied_sequences, from.applied_sequences);
-  dds::borrow(to.silent_ns, from.silent_ns);
-  dds::borrow(to.publisher_states, from.publisher_states);
-  dds::borrow(to.publisher_names, from.publisher_names);
-}
-
 }  // namespace
 
 DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight,
@@ -100,18 +92,7 @@ void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const Ev
   frame_->first_sequence = events.first_sequence;
   frame_->version = stamp.version;
   frame_->world_time_ns = stamp.world_time_ns;
-  dds::borrow(frame_->kinds, events.kinds);
-  dds::borrow(frame_->reasons, events.reasons);
-  dds::borrow(frame_->shards, events.shards);
-  dds::borrow(frame_->a, events.a);
-  dds::borrow(frame_->b, events.b);
-  dds::borrow(frame_->a_triangles, events.a_triangles);
-  dds::borrow(frame_->b_triangles, events.b_triangles);
-  dds::borrow(frame_->episodes, events.episodes);
-  dds::borrow(frame_->doubts, events.doubts);
-  wire::lend_columns<wire::EventFrame>(events.numbers, wire::kEventColumns, event_memory_, *frame_);
-  dds::borrow(frame_->named_ids, events.named.ids);
-  dds::borrow(frame_->names, events.named.names);
+  wire::lend<wire::EventFrameColumns>(events, *frame_);
   write(writer, *frame_);
 }
 
@@ -159,16 +140,7 @@ void DdsEventWriter::fill_shard(const ContactColumns& contacts, const Stamp& sta
   shard_->shard = contacts.shard;
   shard_->version = stamp.version;
   shard_->as_of_sequence = as_of_sequence;
-  dds::borrow(shard_->a, contacts.a);
-  dds::borrow(shard_->b, contacts.b);
-  dds::borrow(shard_->a_triangles, contacts.a_triangles);
-  dds::borrow(shard_->b_triangles, contacts.b_triangles);
-  dds::borrow(shard_->episodes, contacts.episodes);
-  dds::borrow(shard_->began_ns, contacts.began_ns);
-  dds::borrow(shard_->doubts, contacts.doubts);
-  wire::lend_columns<wire::ContactShard>(contacts.numbers, wire::kContactColumns, contact_memory_, *shard_);
-  dds::borrow(shard_->named_ids, contacts.named.ids);
-  dds::borrow(shard_->names, contacts.named.names);
+  wire::lend<wire::ContactShardColumns>(contacts, *shard_);
 }
 
 void DdsEventWriter::write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) {
@@ -187,14 +159,7 @@ void DdsEventWriter::write_probes(const ProbeColumns& probes, const Stamp& stamp
   note_lapse();
   probes_->version = stamp.version;
   probes_->world_time_ns = stamp.world_time_ns;
-  dds::borrow(probes_->states, probes.states);
-  dds::borrow(probes_->objects, probes.objects);
-  dds::borrow(probes_->met, probes.met);
-  dds::borrow(probes_->triangles, probes.triangles);
-  wire::lend_columns<wire::ProbeFrame>(probes.numbers, wire::kProbeColumns, probe_memory_, *probes_);
-  dds::borrow(probes_->probe_names, probes.probe_names);
-  dds::borrow(probes_->named_ids, probes.named.ids);
-  dds::borrow(probes_->names, probes.named.names);
+  wire::lend<wire::ProbeFrameColumns>(probes, *probes_);
   note(recording::Recorded::probe, *probes_);
   write(probe_writer_, *probes_);
 }
@@ -220,7 +185,7 @@ void DdsEventWriter::write_status(const StatusColumns& status) {
   status_->questions_answered = status.questions_answered;
   status_->questions_refused = status.questions_refused;
   status_->undecided_answers = status.undecided_answers;
-  borrow_publishers(*status_, said_);
+  wire::lend(said_, *status_);
   note(recording::Recorded::status, *status_);
   write(status_writer_, *status_);
 }
@@ -232,12 +197,12 @@ void DdsEventWriter::repeat_status(std::int64_t now_ns, wire_contract::ServerSta
   if (now_ns - said_ns_ < kLateNs || now_ns - repeated_ns_ < wire_contract::kStatusPeriodNs) return;
   repeated_ns_ = now_ns;
   if (said_.state != wire_contract::ServerState::stopping) status_->state = static_cast<std::uint8_t>(state);
-  said_.publishers.push_back(wire_contract::kBusyWorld);
+  said_.publishers.push_back(wire_contract::kPublisherBusyWorld);
   said_.applied_sequences.push_back(0);
   said_.silent_ns.push_back(now_ns - said_ns_);
   said_.publisher_states.push_back(static_cast<std::uint8_t>(wire_contract::PublisherState::alive));
   said_.publisher_names.push_back(0);
-  borrow_publishers(*status_, said_);
+  wire::lend(said_, *status_);
   write(status_writer_, *status_);
   for (auto* column : {&said_.publishers, &said_.applied_sequences}) column->pop_back();
   said_.silent_ns.pop_back();
@@ -260,7 +225,7 @@ void DdsEventWriter::write_step(const StatusColumns& status) {
   note_lapse();
   step_->version = status.stamp.version;
   step_->world_time_ns = status.stamp.world_time_ns;
-  borrow_publishers(*step_, status);
+  wire::lend(status, *step_);
   note(recording::Recorded::step, *step_);
   if (step_readers_.load() > 0) write(step_writer_, *step_);
 }

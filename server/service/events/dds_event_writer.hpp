@@ -94,7 +94,6 @@ class DdsEventWriter : public EventWriter {
   dds::Sample<wire::EventFrame> frame_;
   dds::Sample<wire::ContactShard> shard_;
   dds::Sample<wire::ProbeFrame> probes_;
-  std::vector<double> event_memory_, contact_memory_, probe_memory_;  // columns while they are written
   dds::Sample<wire::Status> step_, fence_status_;
 
   // Statuses are written one after the other, and none once fall_silent() has returned.

@@ -16,7 +16,7 @@ struct Stamp {
 };
 
 /// The part of a Status of collided.idl that changes; its fields are explained there.
-struct StatusColumns {
+struct StatusColumns : wire::StatusColumns {
   Stamp stamp;
   wire_contract::ServerState state = wire_contract::ServerState::starting;
   std::uint64_t last_event_sequence = 0;
@@ -32,9 +32,6 @@ struct StatusColumns {
   std::uint64_t questions_answered = 0;
   std::uint64_t questions_refused = 0;
   std::uint64_t undecided_answers = 0;
-  std::vector<std::uint64_t> publishers, applied_sequences;
-  std::vector<std::int64_t> silent_ns;
-  std::vector<std::uint8_t> publisher_states, publisher_names;
 };
 
 /// What is known of the server that spoke so far, by the one that takes its place and tells again what it may not have told.

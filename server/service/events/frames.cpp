@@ -1,7 +1,5 @@
 #include "server/service/events/frames.hpp"
 
-#include <algorithm>
-
 #include "idl/columns.hpp"
 #include "idl/topics.hpp"
 #include "server/world/fences/fences.hpp"
@@ -9,28 +7,26 @@
 namespace collided::engine::service {
 namespace {
 
-/// -0 is reported as 0.
-void append(std::vector<double>& numbers, double value) { numbers.push_back(value + 0.0); }
-
-void append(std::vector<double>& numbers, const Vec3& vector) {
-  for (const double value : vector) append(numbers, value);
-}
-
-void append(std::vector<double>& numbers, const OpenContact& open) {
-  append(numbers, open.contact.point);
-  for (const Contact* contact : {&open.contact, &open.surface}) {
-    append(numbers, contact->normal);
-    append(numbers, contact->depth_m);
-    append(numbers, contact->depth_error_m);
-  }
-}
-
-std::uint32_t triangle_of_a(const OpenContact& of, const NameBook& book) {
-  return of.contained == Contained::a_in_b ? wire_contract::kWithin : book.triangle(of.a, of.a_triangle);
-}
-
-std::uint32_t triangle_of_b(const OpenContact& of, const NameBook& book) {
-  return of.contained == Contained::b_in_a ? wire_contract::kWithin : book.triangle(of.b, of.b_triangle);
+/// What events and contacts have in common.
+template <class Columns>
+void put_contact(Columns& columns, const OpenContact& of, const NameBook& book, std::uint8_t marks) {
+  columns.doubts.push_back(static_cast<std::uint8_t>(static_cast<std::uint8_t>(of.doubt) | marks));
+  columns.a.push_back(of.a);
+  columns.b.push_back(of.b);
+  const auto triangle = [&](ObjectId id, std::uint32_t own, Contained within) {
+    return of.contained == within ? wire_contract::kTriangleWithin : book.triangle(id, own);
+  };
+  columns.a_triangles.push_back(triangle(of.a, of.a_triangle, Contained::a_in_b));
+  columns.b_triangles.push_back(triangle(of.b, of.b_triangle, Contained::b_in_a));
+  columns.episodes.push_back(of.episode);
+  put(columns.points, of.contact.point);
+  put(columns.normals, of.contact.normal);
+  put(columns.depths, of.contact.depth_m);
+  put(columns.depth_errors, of.contact.depth_error_m);
+  put(columns.surface_normals, of.surface.normal);
+  put(columns.surface_depths, of.surface.depth_m);
+  put(columns.surface_depth_errors, of.surface.depth_error_m);
+  columns.named_ids.insert(columns.named_ids.end(), {of.a, of.b});
 }
 
 }  // namespace
@@ -71,58 +67,30 @@ std::uint32_t NameBook::triangle(ObjectId id, std::uint32_t triangle) const {
   return found == entries_.end() ? triangle : found->second.cut.told(triangle, found->second.part_triangles);
 }
 
-void NameTable::clear() {
-  ids.clear();
-  names.clear();
-}
-
-void NameTable::keep_each_once() {
-  std::sort(ids.begin(), ids.end());
-  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
-}
-
-void NameTable::append(std::string_view name) {
+void put(std::vector<std::uint8_t>& names, std::string_view name) {
   names.insert(names.end(), name.begin(), name.end());
   names.push_back(0);
-}
-
-void EventColumns::clear() {
-  first_sequence = 0;
-  for (auto* column : {&kinds, &reasons, &doubts, &shards}) column->clear();
-  for (auto* column : {&a, &b, &episodes}) column->clear();
-  for (auto* column : {&a_triangles, &b_triangles}) column->clear();
-  numbers.clear();
-  named.clear();
 }
 
 void EventColumns::add(const Event& event, const NameBook& book, bool is_merged) {
   if (kinds.empty()) first_sequence = event.sequence;
   kinds.push_back(static_cast<std::uint8_t>(event.kind));
   reasons.push_back(static_cast<std::uint8_t>(event.reason));
-  const std::uint8_t merged = is_merged ? wire_contract::kPosesMerged : 0;
-  doubts.push_back(static_cast<std::uint8_t>(static_cast<std::uint8_t>(event.of.doubt) | merged));
   shards.push_back(wire_contract::contact_shard(event.of.a, event.of.b));
-  a.push_back(event.of.a);
-  b.push_back(event.of.b);
-  a_triangles.push_back(triangle_of_a(event.of, book));
-  b_triangles.push_back(triangle_of_b(event.of, book));
-  episodes.push_back(event.of.episode);
-  append(numbers, event.of);
-  append(numbers, event.bracket_low_s);
-  append(numbers, event.bracket_high_s);
-  append(numbers, event.relative_velocity);
-  append(numbers, event.velocity_error);
-  named.add_id(event.of.a);
-  named.add_id(event.of.b);
+  put_contact(*this, event.of, book, is_merged ? wire_contract::kDoubtPosesMerged : 0);
+  put(bracket_lows, event.bracket_low_s);
+  put(bracket_highs, event.bracket_high_s);
+  put(velocities, event.relative_velocity);
+  put(velocity_errors, event.velocity_error);
 }
 
-void ProbeColumns::clear() {
-  states.clear();
-  for (auto* column : {&objects, &met}) column->clear();
-  triangles.clear();
-  numbers.clear();
-  probe_names.clear();
-  named.clear();
+void ContactColumns::add(const OpenContact& contact, const NameBook& book) {
+  put_contact(*this, contact, book, 0);
+  began_ns.push_back(contact.began_ns);
+}
+
+std::size_t ContactColumns::bytes() const {
+  return size() * wire::bytes_of_row<ContactShardColumns>() + named_ids.size() * sizeof(ObjectId) + names.size();
 }
 
 void ProbeColumns::add(std::string_view probe_name, const ProbeReading& reading) {
@@ -130,42 +98,14 @@ void ProbeColumns::add(std::string_view probe_name, const ProbeReading& reading)
   objects.push_back(reading.object);
   met.push_back(reading.met);
   triangles.push_back(reading.triangle);
-  append(numbers, reading.clearance_m);
-  append(numbers, reading.error_m);
-  append(numbers, reading.point);
-  append(numbers, reading.normal);
-  probe_names.insert(probe_names.end(), probe_name.begin(), probe_name.end());
-  probe_names.push_back(0);
-  if (reading.object != 0) named.add_id(reading.object);
-  if (reading.met != 0) named.add_id(reading.met);
-}
-
-void ContactColumns::clear() {
-  doubts.clear();
-  for (auto* column : {&a, &b, &episodes}) column->clear();
-  for (auto* column : {&a_triangles, &b_triangles}) column->clear();
-  began_ns.clear();
-  numbers.clear();
-  named.clear();
-}
-
-std::size_t ContactColumns::bytes() const {
-  constexpr std::size_t kBytesPerContact =
-      1 + 3 * 8 + 2 * 4 + 8 + 8 * wire::width_of<wire::ContactShard>(wire::kContactColumns);
-  return size() * kBytesPerContact + named.ids.size() * sizeof(ObjectId) + named.names.size();
-}
-
-void ContactColumns::add(const OpenContact& contact, const NameBook& book) {
-  doubts.push_back(static_cast<std::uint8_t>(contact.doubt));
-  a.push_back(contact.a);
-  b.push_back(contact.b);
-  episodes.push_back(contact.episode);
-  a_triangles.push_back(triangle_of_a(contact, book));
-  b_triangles.push_back(triangle_of_b(contact, book));
-  began_ns.push_back(contact.began_ns);
-  append(numbers, contact);
-  named.add_id(contact.a);
-  named.add_id(contact.b);
+  put(clearances, reading.clearance_m);
+  put(clearance_errors, reading.error_m);
+  put(points, reading.point);
+  put(normals, reading.normal);
+  put(probe_names, probe_name);
+  for (const ObjectId id : {reading.object, reading.met}) {
+    if (id != 0) named_ids.push_back(id);
+  }
 }
 
 }  // namespace collided::engine::service

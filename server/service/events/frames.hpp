@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <string>
@@ -7,6 +8,7 @@
 #include <unordered_map>
 #include <vector>
 
+#include "idl/messages.hpp"
 #include "server/world/query/probes.hpp"
 #include "server/world/world.hpp"
 
@@ -36,68 +38,43 @@ class NameBook {
   std::unordered_map<ObjectId, Entry> entries_;
 };
 
-/// Ids with their names as they travel: zero-terminated UTF-8, one after the other.
-struct NameTable {
-  std::vector<std::uint64_t> ids;
-  std::vector<std::uint8_t> names;
+/// -0 goes as 0.
+inline void put(std::vector<double>& column, double value) { column.push_back(value + 0.0); }
+inline void put(std::vector<double>& column, const Vec3& value) {
+  for (const double x : value) put(column, x);
+}
+/// Adds a name to those that travel beside their ids: zero-terminated UTF-8, one after the other.
+void put(std::vector<std::uint8_t>& names, std::string_view name);
 
-  void clear();
-  void add_id(ObjectId id) { ids.push_back(id); }
-  /// Sorts the ids, keeps each once, and appends their names.
-  template <class NameOf>
-  void fill(NameOf&& name_of) {
-    keep_each_once();
-    for (const ObjectId id : ids) append(name_of(id));
-  }
-  /// Adds the name of the next id.
-  void append(std::string_view name);
+/// Sorts the ids that a message names, keeps each once, and adds their names.
+template <class Columns, class NameOf>
+void put_names(Columns& columns, const NameOf& name_of) {
+  std::vector<ObjectId>& ids = columns.named_ids;
+  std::sort(ids.begin(), ids.end());
+  ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+  for (const ObjectId id : ids) put(columns.names, name_of(id));
+}
 
- private:
-  void keep_each_once();
-};
+// The columns of messages. Their memory is reused from message to message.
 
-/// The parallel sequences of an EventFrame. Their memory is reused from frame to frame.
-struct EventColumns {
+struct EventColumns : wire::EventFrameColumns {
   std::uint64_t first_sequence = 0;  // of the first event
-  std::vector<std::uint8_t> kinds, reasons, doubts, shards;
-  std::vector<std::uint64_t> a, b, episodes;
-  std::vector<std::uint32_t> a_triangles, b_triangles;
-  std::vector<double> numbers;  // rows of kEventColumns
-  NameTable named;
 
-  void clear();
-  /// is_merged  poses of one of the two were merged on the way (kPosesMerged)
+  /// is_merged  poses of one of the two were merged on the way (kDoubtPosesMerged)
   void add(const Event& event, const NameBook& book, bool is_merged = false);
   std::size_t size() const { return kinds.size(); }
 };
 
-/// The parallel sequences of a ContactShard.
-struct ContactColumns {
+struct ContactColumns : wire::ContactShardColumns {
   std::uint8_t shard = 0;
-  std::vector<std::uint8_t> doubts;
-  std::vector<std::uint64_t> a, b, episodes;
-  std::vector<std::uint32_t> a_triangles, b_triangles;
-  std::vector<std::int64_t> began_ns;
-  std::vector<double> numbers;  // rows of kContactColumns
-  NameTable named;
 
-  void clear();
   void add(const OpenContact& contact, const NameBook& book);
   std::size_t size() const { return a.size(); }
   /// About what the shard takes in a message, without its fixed fields.
   std::size_t bytes() const;
 };
 
-/// The parallel sequences of a ProbeFrame.
-struct ProbeColumns {
-  std::vector<std::uint8_t> states;
-  std::vector<std::uint64_t> objects, met;
-  std::vector<std::uint32_t> triangles;
-  std::vector<double> numbers;  // rows of kProbeColumns
-  std::vector<std::uint8_t> probe_names;
-  NameTable named;
-
-  void clear();
+struct ProbeColumns : wire::ProbeFrameColumns {
   void add(std::string_view probe_name, const ProbeReading& reading);
   std::size_t size() const { return states.size(); }
 };

@@ -2,28 +2,13 @@
 
 #include <algorithm>
 
-#include "idl/columns.hpp"
-
 namespace collided::engine::service {
 namespace {
 
-/// Where an event's row has the beginning of its bracket.
-std::size_t place_of_bracket() {
-  std::size_t place = 0;
-  for (const auto& column : wire::kEventColumns) {
-    if (column.sequence == &wire::EventFrame::bracket_lows) break;
-    place += column.width;
-  }
-  return place;
-}
-
 /// The beginning of the earliest bracket, world time.
 std::int64_t earliest_ns(const UntoldEvents::UntoldFrame& frame) {
-  const std::size_t width = wire::width_of<wire::EventFrame>(wire::kEventColumns);
-  const std::size_t low = place_of_bracket();
   double longest_ago_s = 0;
-  for (std::size_t i = 0; i < frame.events.size(); ++i)
-    longest_ago_s = std::max(longest_ago_s, frame.events.numbers[i * width + low]);
+  for (const double low_s : frame.events.bracket_lows) longest_ago_s = std::max(longest_ago_s, low_s);
   return frame.stamp.world_time_ns - static_cast<std::int64_t>(1e9 * longest_ago_s);
 }
 

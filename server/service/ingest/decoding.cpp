@@ -14,8 +14,8 @@ std::unique_ptr<DefinitionSample> decoded(const wire::Definition& from) {
   sample->sequence = from.sequence_number;
   sample->removed = from.removed;
   sample->moving = from.moving;
-  sample->enters_with_instant = (from.lost_policy & wire_contract::kEntersWithInstant) != 0;
-  sample->lost_policy = from.lost_policy & static_cast<std::uint8_t>(~wire_contract::kEntersWithInstant);
+  sample->enters_with_instant = (from.lost_policy & wire_contract::kPolicyEntersWithInstant) != 0;
+  sample->lost_policy = from.lost_policy & static_cast<std::uint8_t>(~wire_contract::kPolicyEntersWithInstant);
   sample->publisher_name = from.publisher_name;
   sample->name = from.name;
   sample->filter = {.layers = from.layers, .mask = from.mask, .group = from.group};

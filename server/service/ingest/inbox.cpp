@@ -133,10 +133,10 @@ void Inbox::merge(const PoseSample& sample) {
   }
   merged.sequence = std::max(merged.sequence, sample.sequence);
   merged.definitions_through = std::max(merged.definitions_through, sample.definitions_through);
-  merged.flags |= sample.flags & wire_contract::kAllSaid;
+  merged.flags |= sample.flags & wire_contract::kPosesAllSaid;
   // A sign of life must not take the time of the poses before it, nor the way in which their objects move.
   if (!sample.is_only_alive()) {
-    merged.flags |= sample.flags & wire_contract::kStreamed;
+    merged.flags |= sample.flags & wire_contract::kPosesStreamed;
     merged.source_time_ns = sample.source_time_ns;
     merged.received_ns = sample.received_ns;
   }
@@ -164,7 +164,7 @@ void Inbox::merge_pose(Merged& merged, const PoseSample& sample, std::size_t ind
   }
   std::copy_n(&sample.poses[index * kPoseNumbers], kPoseNumbers, &merged.poses[place * kPoseNumbers]);
   // A teleport stays one even when its pose is superseded, or the step would sweep the object across the room.
-  if ((sample.flags & wire_contract::kTeleported) != 0) merged.teleported[place] = 1;
+  if ((sample.flags & wire_contract::kPosesTeleported) != 0) merged.teleported[place] = 1;
 }
 
 std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Merged& merged, bool teleported) {
@@ -178,7 +178,7 @@ std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Me
   slice->merged = 0;
   slice->merged_objects.clear();
   slice->has_odd_columns = false;  // a spare sample still says what it was
-  slice->flags = merged.flags | (teleported ? wire_contract::kTeleported : 0);
+  slice->flags = merged.flags | (teleported ? wire_contract::kPosesTeleported : 0);
   slice->object_numbers.clear();
   slice->poses.clear();
   slice->velocities.clear();
@@ -189,7 +189,7 @@ std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Me
 void Inbox::unpack(std::uint64_t publisher, Merged& merged, std::vector<Arrival>& arrivals) {
   PoseSample* last = nullptr;
   const auto put = [&](std::unique_ptr<PoseSample> slice) {
-    if (last != nullptr) last->flags |= wire_contract::kMoreFollows;
+    if (last != nullptr) last->flags |= wire_contract::kPosesMoreFollows;
     last = slice.get();
     last->merged = std::exchange(merged.replaced, 0);
     arrivals.emplace_back(std::move(slice));
@@ -243,7 +243,7 @@ void Inbox::take_instants(std::vector<Arrival>& arrivals) {
   for (PublisherLine* line : busy_) {
     for (bool more = true; more && !line->empty() && line->first_place() < until;) {
       std::unique_ptr<PoseSample> sample = line->pop();
-      more = (sample->flags & wire_contract::kMoreFollows) != 0;
+      more = (sample->flags & wire_contract::kPosesMoreFollows) != 0;
       --batch_count_;
       pose_count_ -= sample->object_numbers.size();
       arrivals.emplace_back(std::move(sample));

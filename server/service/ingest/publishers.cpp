@@ -191,7 +191,7 @@ bool Publishers::find_all(Publisher& publisher, const PoseSample& sample) {
 
 /// Keeps the batches of one instant until the last of them comes, then applies them together.
 Applied Publishers::take_batch(Publisher& publisher, PoseSample& sample, std::int64_t now_ns) {
-  const bool more_follows = (sample.flags & wire_contract::kMoreFollows) != 0;
+  const bool more_follows = (sample.flags & wire_contract::kPosesMoreFollows) != 0;
   if (!more_follows || publisher.parts.size() >= limits_.parked_batches)
     return apply_instant(publisher, sample, now_ns);
   publisher.parts.push_back(std::move(sample));
@@ -207,7 +207,7 @@ Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, 
   // An empty batch without a stamp has no time. A publisher that never stamps, however, says with it that its objects have
   // rested until now.
   const bool has_instant = !is_alone || (last.source_time_ns == 0 && publisher.clock.is_without_stamps());
-  if (has_instant && (last.flags & wire_contract::kBringsObjects) != 0) {
+  if (has_instant && (last.flags & wire_contract::kPosesBringsObjects) != 0) {
     publisher.brings_objects = true;
     world_.expect_objects(publisher.id);
   }
@@ -239,7 +239,7 @@ Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, 
 /// Applies the batch whose records find_all() looked up last.
 void Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, const WorldStamp& stamp,
                              std::int64_t now_ns) {
-  if ((sample.flags & wire_contract::kAllSaid) != 0) publisher.said_all = true;
+  if ((sample.flags & wire_contract::kPosesAllSaid) != 0) publisher.said_all = true;
   publisher.merged_poses += sample.merged;
   ++batch_;
   accepted_count_ = 0;
@@ -256,8 +256,8 @@ void Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, con
     if (sample.merged > 0 && sample.merged_objects[i] != 0) note_merged(record->id, stamp.time_ns);
     ++accepted_count_;
   }
-  const bool teleported = (sample.flags & wire_contract::kTeleported) != 0 || stamp.kind == StampKind::jumped;
-  const bool streamed = (sample.flags & wire_contract::kStreamed) != 0;
+  const bool teleported = (sample.flags & wire_contract::kPosesTeleported) != 0 || stamp.kind == StampKind::jumped;
+  const bool streamed = (sample.flags & wire_contract::kPosesStreamed) != 0;
   const std::uint64_t before = counts_.poses_applied;
   world_.move(std::span(ids_).first(accepted_count_), std::span(poses_).first(accepted_count_), stamp.time_ns,
               teleported, moved_, streamed);

@@ -111,10 +111,10 @@ class Publishers {
   std::size_t size() const { return publishers_.size(); }
   /// Whether the publisher is known and not lost.
   bool is_live(std::uint64_t publisher) const;
-  /// Whether it lives and has sent all its definitions to this server (kAllSaid). What DDS kept of a publisher holds
+  /// Whether it lives and has sent all its definitions to this server (kPosesAllSaid). What DDS kept of a publisher holds
   /// only the poses of its first definitions, so being known is not enough.
   bool is_complete(std::uint64_t publisher) const;
-  /// Whether its objects come from other shards and leave for them (kBringsObjects).
+  /// Whether its objects come from other shards and leave for them (kPosesBringsObjects).
   bool is_in_several_shards(std::uint64_t publisher) const;
   /// SequenceWatermark::through() of the publisher; 0: not known.
   std::uint64_t applied_through(std::uint64_t publisher) const;
@@ -157,7 +157,7 @@ class Publishers {
   /// Where a record's object is. gone: removed, or never accepted. waits_for_name: another object has its name, or none
   /// that could be claimed.
   /// taken_away: it left the world with its lost publisher and returns with it.
-  /// waits_for_instant: it enters with the next instant (kEntersWithInstant).
+  /// waits_for_instant: it enters with the next instant (kPolicyEntersWithInstant).
   enum class Place : std::uint8_t { gone, in_world, waits_for_name, taken_away, waits_for_instant };
   /// What a pose without a velocity does not touch; apart, so that a Record stays small.
   struct Described {
@@ -211,8 +211,8 @@ class Publishers {
     std::int64_t lost_ns = 0;
     bool object_writer = false;  // its writer of definitions lives
     bool pose_writer = false;
-    bool brings_objects = false;  // an instant with kBringsObjects was applied
-    bool said_all = false;        // a batch with kAllSaid was applied
+    bool brings_objects = false;  // an instant with kPosesBringsObjects was applied
+    bool said_all = false;        // a batch with kPosesAllSaid was applied
     bool lost = false;            // both writers are gone
     bool took_leave = false;      // lost, but it had removed all its objects before
     bool is_frozen = false;       // lost, and its objects' policies have not been applied

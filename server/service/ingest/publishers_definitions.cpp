@@ -32,7 +32,7 @@ Applied Publishers::define(DefinitionSample& sample, std::int64_t now_ns) {
   }
   heard(*publisher, WriterKind::object, now_ns);
   if (!sample.publisher_name.empty() && is_good_name(sample.publisher_name)) publisher->name = sample.publisher_name;
-  if (sample.object_number == wire_contract::kPublisherItself) {
+  if (sample.object_number == wire_contract::kObjectPublisherItself) {
     take_gap(*publisher, sample);
     publisher->definitions_seen = std::max(publisher->definitions_seen, sample.sequence);
     publisher->watermark.apply_definition(sample.sequence, now_ns);

@@ -24,7 +24,7 @@ struct DefinitionSample {
   std::string not_allowed;  // why the keys of its publisher do not allow it; empty: they do
   bool moving = true;
   std::uint8_t lost_policy = 0;      // LostPolicy, not checked yet
-  bool enters_with_instant = false;  // kEntersWithInstant in topics.hpp
+  bool enters_with_instant = false;  // kPolicyEntersWithInstant in topics.hpp
   std::string publisher_name;
   std::string name;
   Filter filter;
@@ -45,7 +45,7 @@ struct PoseSample {
   std::uint64_t definitions_through = 0;  // it waits until this publisher's definitions up to here have come
   std::int64_t source_time_ns = 0;        // publisher's clock; 0: not stamped
   std::int64_t received_ns = 0;           // server's clock
-  std::uint8_t flags = 0;                 // kTeleported and the like, topics.hpp
+  std::uint8_t flags = 0;                 // kPosesTeleported and the like, topics.hpp
   std::vector<std::uint32_t> object_numbers;
   std::vector<double> poses;       // 7 each: position in m, orientation w x y z
   std::vector<double> velocities;  // 6 each: linear in m/s, angular in rad/s; or empty: not known
@@ -55,7 +55,7 @@ struct PoseSample {
 
   /// It says that its publisher lives, and nothing about objects.
   bool is_only_alive() const {
-    return object_numbers.empty() && (source_time_ns == 0 || (flags & wire_contract::kStreamed) != 0);
+    return object_numbers.empty() && (source_time_ns == 0 || (flags & wire_contract::kPosesStreamed) != 0);
   }
 };
 

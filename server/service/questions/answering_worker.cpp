@@ -328,7 +328,7 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
   reply_->oldest_pose_age_ns = posed_ns > 0 ? std::max<std::int64_t>(0, owner_.with_.clock.now_ns() - posed_ns) : -1;
   client.note_reported(snapshot.version);
   while (filler.fill(columns_)) {
-    columns_.lend(*reply_);
+    wire::lend(columns_, *reply_);
     reply_->first_question = query.first_question + static_cast<std::uint32_t>(ask.answered + filler.first());
     reply_->compute_ns = steady_ns() - ask.taken_ns;
     // Counted before the reply leaves, so that a client which has it and then asks for the counts finds it in them.
@@ -348,8 +348,8 @@ void Answering::Worker::count_answered(const Ask& ask, std::uint64_t undecided) 
 /// Writes a text in as many replies as it needs, at least one.
 void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyStatus status, std::string_view text,
                                    bool is_recorded) {
-  columns_.clear();
-  columns_.lend(*reply_);
+  wire::clear(columns_);
+  wire::lend(columns_, *reply_);
   const SnapshotRing::Lease lease = owner_.with_.world.newest();
   constexpr std::size_t kMost = wire_contract::kMaxTextBytesPerChunk;
   const std::size_t chunks = std::max<std::size_t>(1, (text.size() + kMost - 1) / kMost);

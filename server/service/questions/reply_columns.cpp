@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "idl/columns.hpp"
 #include "idl/topics.hpp"
 
 namespace collided::engine::service {
@@ -13,55 +14,10 @@ constexpr std::size_t kBytesPerHit = 8 + 4 + 1 + 8 * wire_contract::kHitNumbers;
 // The rest is for the fixed fields, the lengths of the sequences and what DDS puts around a message.
 constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
 
-// -0 is reported as 0.
-void put(std::vector<double>& column, double value) { column.push_back(value + 0.0); }
-void put(std::vector<double>& column, const Vec3& value) {
-  for (const double x : value) put(column, x);
-}
-
 }  // namespace
 
-void ReplyColumns::clear() {
-  for (auto* column : {&answers, &reasons, &levels, &hit_flags}) column->clear();
-  for (auto* column : {&hit_counts, &nodes, &exact_tests, &triangles}) column->clear();
-  for (auto* column : {&distances, &distance_errors, &exits, &sweep_ends, &sweep_widths, &sweep_begins, &points,
-                       &normals, &weights, &point_errors, &uncovered_points, &uncovered_distances}) {
-    column->clear();
-  }
-  objects.clear();
-  uncovered_questions.clear();
-  named.clear();
-}
-
-void ReplyColumns::lend(wire::Reply& reply) const {
-  dds::borrow(reply.answers, answers);
-  dds::borrow(reply.reasons, reasons);
-  dds::borrow(reply.levels, levels);
-  dds::borrow(reply.hit_counts, hit_counts);
-  dds::borrow(reply.nodes, nodes);
-  dds::borrow(reply.exact_tests, exact_tests);
-  dds::borrow(reply.objects, objects);
-  dds::borrow(reply.triangles, triangles);
-  dds::borrow(reply.hit_flags, hit_flags);
-  dds::borrow(reply.distances, distances);
-  dds::borrow(reply.distance_errors, distance_errors);
-  dds::borrow(reply.exits, exits);
-  dds::borrow(reply.sweep_ends, sweep_ends);
-  dds::borrow(reply.sweep_widths, sweep_widths);
-  dds::borrow(reply.sweep_begins, sweep_begins);
-  dds::borrow(reply.points, points);
-  dds::borrow(reply.normals, normals);
-  dds::borrow(reply.weights, weights);
-  dds::borrow(reply.point_errors, point_errors);
-  dds::borrow(reply.uncovered_questions, uncovered_questions);
-  dds::borrow(reply.uncovered_points, uncovered_points);
-  dds::borrow(reply.uncovered_distances, uncovered_distances);
-  dds::borrow(reply.named_ids, named.ids);
-  dds::borrow(reply.names, named.names);
-}
-
 void ReplyFiller::start(ReplyColumns& columns) {
-  columns.clear();
+  wire::clear(columns);
   first_ = question_;
   bytes_ = 0;
   ++reply_number_;
@@ -111,8 +67,8 @@ void ReplyFiller::add_hit(std::size_t index, ReplyColumns& columns) {
   const std::uint32_t slot = slot_of(hit.object);
   if (slot < named_in_.size() && named_in_[slot] != reply_number_) {
     named_in_[slot] = reply_number_;
-    columns.named.add_id(hit.object);
-    columns.named.append(name_of(hit.object));
+    columns.named_ids.push_back(hit.object);
+    put(columns.names, name_of(hit.object));
   }
   columns.objects.push_back(hit.object);
   const ObjectInfo* info = info_of(hit.object);

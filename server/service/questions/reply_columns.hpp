@@ -3,31 +3,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "idl/dds.hpp"
+#include "idl/messages.hpp"
 #include "server/service/events/frames.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine::service {
 
-/// The parallel sequences of a Reply. Their memory is reused from reply to reply.
-struct ReplyColumns {
-  std::vector<std::uint8_t> answers, reasons, levels;
-  std::vector<std::uint32_t> hit_counts, nodes, exact_tests;
-  std::vector<std::uint64_t> objects;
-  std::vector<std::uint32_t> triangles;
-  std::vector<std::uint8_t> hit_flags;
-  // A hit has either the first three of these or the sweep's three; the others stay empty.
-  std::vector<double> distances, distance_errors, exits;
-  std::vector<double> sweep_ends, sweep_widths, sweep_begins;
-  std::vector<double> points, normals, weights, point_errors;
-  std::vector<std::uint32_t> uncovered_questions;
-  std::vector<double> uncovered_points, uncovered_distances;
-  NameTable named;
-
-  void clear();
-  /// Lets the message's sequences point into this, without a copy; valid until the next change here.
-  void lend(wire::Reply& reply) const;
-};
+/// Their memory is reused from reply to reply. A hit has either distances, their errors and exits or the sweep's three
+/// columns; the others stay empty.
+using wire::ReplyColumns;
 
 /// Fills replies from a chunk's answers, as many as its hits need: a reply stays within kMaxHitsPerChunk and
 /// kMaxMessageBytes. Hits that even a reply of their own has no room for are left out, and that answer becomes

@@ -17,7 +17,7 @@ std::variant<WhatIfAsk, Refusal> what_if_asked(const wire::Query& query, const S
 
 /// Answers configurations: numbers has, for each, a pose for each moved object. Poses that are none get `invalid`, each
 /// configuration for itself. A pair becomes two hits, that of the moved object first: both have the clearance as their
-/// distance, the normal from the first to the second, and each its own nearest point; kInside is set of one that lies
+/// distance, the normal from the first to the second, and each its own nearest point; kHitInside is set of one that lies
 /// within the other.
 ///
 /// time      of each configuration; one that is given up gets no answer, nor do those after it

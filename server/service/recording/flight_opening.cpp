@@ -78,7 +78,7 @@ void FlightOpening::fold(const wire::Definition& definition) {
   if (publisher == nullptr) return;
   publisher->last_sequence = std::max<std::uint64_t>(publisher->last_sequence, definition.sequence_number);
   publisher->definitions_through = std::max<std::uint64_t>(publisher->definitions_through, definition.sequence_number);
-  if (definition.object_number == wire_contract::kPublisherItself) {
+  if (definition.object_number == wire_contract::kObjectPublisherItself) {
     if (definition.shape._length == 0) publisher->itself = wire::cdr_bytes(definition);
     return;
   }
@@ -103,7 +103,8 @@ void FlightOpening::fold(const wire::Definition& definition) {
   }
   bytes_ += bytes.size();
   ++objects_;
-  const std::uint8_t policy = definition.lost_policy & static_cast<std::uint8_t>(~wire_contract::kEntersWithInstant);
+  const std::uint8_t policy =
+      definition.lost_policy & static_cast<std::uint8_t>(~wire_contract::kPolicyEntersWithInstant);
   publisher->objects[definition.object_number] = {definition.sequence_number, policy, definition.moving,
                                                   definition.name, std::move(bytes)};
 }
@@ -114,7 +115,7 @@ void FlightOpening::fold(const wire::PoseBatch& batch) {
   if (publisher == nullptr || wire::row_count<wire::PoseBatch>(batch, wire::kPoseColumns) != numbers.size()) return;
   wire::gather_rows<wire::PoseBatch>(batch, wire::kPoseColumns, rows_);
   publisher->last_sequence = std::max<std::uint64_t>(publisher->last_sequence, batch.sequence_number);
-  const bool is_only_alive = numbers.empty() && (batch.flags & wire_contract::kStreamed) != 0;
+  const bool is_only_alive = numbers.empty() && (batch.flags & wire_contract::kPosesStreamed) != 0;
   if (!is_only_alive)
     publisher->source_time_ns = std::max<std::int64_t>(publisher->source_time_ns, batch.source_time_ns);
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -229,7 +230,7 @@ void FlightOpening::write(const std::function<void(Recorded, std::span<const std
     batch->sequence_number = publisher.last_sequence;
     batch->definitions_through = publisher.definitions_through;
     batch->source_time_ns = publisher.source_time_ns;
-    batch->flags = wire_contract::kTeleported;
+    batch->flags = wire_contract::kPosesTeleported;
     std::vector<std::uint32_t> numbers;
     std::vector<double> poses, columns;
     const auto send = [&] {

@@ -72,8 +72,8 @@ ExplainedMeeting meeting_of(const Ray& ray, const Snapshot& snapshot, const RayE
                            .point = hit.point,
                            .normal = hit.normal,
                            .triangle = info.reported_triangle(hit.triangle),
-                           .inside = (hit.flags & kInside) != 0,
-                           .stale = (hit.flags & kStale) != 0,
+                           .inside = (hit.flags & kHitInside) != 0,
+                           .stale = (hit.flags & kHitStale) != 0,
                            .why_left_out = why_left_out(info, ask)};
   if (const std::int64_t posed_ns = snapshot.posed_ns[slot_of(info.id)]; posed_ns > 0)
     meeting.age = nanoseconds(std::max<std::int64_t>(0, snapshot.world_time_ns - posed_ns));

@@ -22,7 +22,7 @@ struct InsideSearch {
     if (!touch.yes) return;
     question.found.push_back({.object = object,
                               .triangle = touch.b_triangle,
-                              .flags = static_cast<std::uint8_t>(question.flags_of(object) | kInside),
+                              .flags = static_cast<std::uint8_t>(question.flags_of(object) | kHitInside),
                               .distance_m = touch.contact.depth_m,
                               .error_m = any ? std::numeric_limits<double>::infinity() : touch.contact.depth_error_m,
                               .point = touch.contact.point,
@@ -53,7 +53,7 @@ struct InsideSearch {
     question.found.push_back(
         {.object = object.info->id,
          .triangle = nearest->triangle,
-         .flags = static_cast<std::uint8_t>(question.flags_of(object.info->id) | kInside | kByWinding),
+         .flags = static_cast<std::uint8_t>(question.flags_of(object.info->id) | kHitInside | kHitByWinding),
          .distance_m = nearest->distance_m,
          .error_m = std::numeric_limits<double>::infinity(),
          .point = nearest->point,

@@ -143,7 +143,7 @@ void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, c
   const double error_m = is_held ? 0 : found.distance_error_m + placed_m + off_by_m;
   keep({.object = object,
         .triangle = triangle,
-        .flags = static_cast<std::uint8_t>(question.flags_of(object) | (is_held ? kInside : 0)),
+        .flags = static_cast<std::uint8_t>(question.flags_of(object) | (is_held ? kHitInside : 0)),
         .distance_m = is_held ? 0 : found.distance_m,
         .error_m = with_underflow(found.distance_m, error_m),
         .point = is_held ? point : found.point,
@@ -156,7 +156,7 @@ void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, c
 
 void NearWalk::keep_depth(const Contact& found, ObjectId object, double placed_m) {
   keep({.object = object,
-        .flags = static_cast<std::uint8_t>(question.flags_of(object) | kInside),
+        .flags = static_cast<std::uint8_t>(question.flags_of(object) | kHitInside),
         .distance_m = -found.depth_m,
         .error_m = with_underflow(found.depth_m, found.depth_error_m + placed_m),
         .point = found.point,
@@ -203,7 +203,7 @@ void NearWalk::keep(const AnswerHit& hit) {
   if (found.size() == question.asked.max_hits) {
     const double farthest_m = std::max(found.back().distance_m - question.slack_m(), 0.0);
     // Of what holds the point only the depth may be unknown: nothing outside is nearer.
-    const bool is_held = (found.back().flags & kInside) != 0;
+    const bool is_held = (found.back().flags & kHitInside) != 0;
     wanted_m = std::min(wanted_m, is_held ? 0 : farthest_m + found.back().error_m);
     set_limit();
   }
@@ -279,7 +279,7 @@ void NearWalk::test_solid(const SolidMesh& solid, const Placed& object) {
   if (!nearest) return;
   keep({.object = object.info->id,
         .triangle = nearest->triangle,
-        .flags = static_cast<std::uint8_t>(question.flags_of(object.info->id) | kInside),
+        .flags = static_cast<std::uint8_t>(question.flags_of(object.info->id) | kHitInside),
         .distance_m = is_signed() ? -nearest->distance_m : 0,
         .error_m = is_signed() ? nearest->error_m : 0,
         .point = is_signed() ? nearest->point : point,
@@ -295,7 +295,7 @@ void NearWalk::test_winding(const WindingMesh& winding, const Placed& object) {
   if (!nearest) return;
   keep({.object = object.info->id,
         .triangle = nearest->triangle,
-        .flags = static_cast<std::uint8_t>(question.flags_of(object.info->id) | kInside | kByWinding),
+        .flags = static_cast<std::uint8_t>(question.flags_of(object.info->id) | kHitInside | kHitByWinding),
         .distance_m = -nearest->distance_m,
         .error_m = with_underflow(nearest->distance_m, nearest->error_m),
         .point = nearest->point,

@@ -103,7 +103,7 @@ inline void append_hit(const Snapshot& snapshot, const PlainRay& ray, Answers& a
   const std::uint32_t part = scene.part_of(ray.met);
   const ObjectId object = scene.part_objects[part];
   const std::uint32_t slot = slot_of(object);
-  const auto flags = static_cast<std::uint8_t>(snapshot.stale[slot] != 0 ? kStale : 0);
+  const auto flags = static_cast<std::uint8_t>(snapshot.stale[slot] != 0 ? kHitStale : 0);
   answers.hits.emplace_back(HitInPlace{ray.hit, object, ray.met - scene.parts[part].first_triangle, flags});
   const std::int64_t posed_ns = snapshot.posed_ns[slot];
   if (posed_ns == 0) return;

@@ -169,7 +169,7 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
     reading.clearance_m = hit.distance_m - back_m;
     reading.error_m =
         hit.error_m + (back_m == 0 ? 0 : std::numeric_limits<double>::epsilon() * std::abs(reading.clearance_m));
-    if ((hit.flags & kInside) != 0) reading.state = ProbeState::deeper;
+    if ((hit.flags & kHitInside) != 0) reading.state = ProbeState::deeper;
     else if (std::abs(reading.clearance_m) > reading.error_m)
       reading.state = reading.clearance_m > 0 ? ProbeState::gap : ProbeState::collision;
     else reading.state = ray.state_about(back_m);

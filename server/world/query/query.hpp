@@ -10,6 +10,7 @@
 
 #include "collided/codes.hpp"
 #include "idl/glob.hpp"
+#include "idl/question_rules.hpp"
 #include "server/exact_phase/arithmetic/decision.hpp"
 #include "server/exact_phase/motion/time_of_contact.hpp"
 #include "server/geometry/vector.hpp"
@@ -22,6 +23,9 @@ namespace collided::engine {
 using wire_contract::glob_matches;
 
 using codes::HitMode;
+using codes::kHitByWinding;
+using codes::kHitInside;
+using codes::kHitStale;
 using codes::QuestionKind;
 using codes::UndecidedReason;
 using codes::Verdict;
@@ -30,31 +34,15 @@ using codes::Verdict;
 inline constexpr QuestionKind kPlainQuestions[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box,
                                                    QuestionKind::near};
 
-/// A question is a row of this many doubles, in the order of question_columns() in idl/columns.hpp.
-inline constexpr std::uint32_t kRayNumbers = 7;
-inline constexpr std::uint32_t kSphereNumbers = 4;
-inline constexpr std::uint32_t kBoxNumbers = 10;
-inline constexpr std::uint32_t kNearNumbers = 4;
-inline constexpr std::uint32_t kInsideNumbers = 3;
-inline constexpr std::uint32_t kPoseNumbers = 7;
-inline constexpr std::uint32_t kSweepNumbers = 2 * kPoseNumbers;
-constexpr std::uint32_t numbers_of(QuestionKind kind) {
-  switch (kind) {
-    case QuestionKind::ray: return kRayNumbers;
-    case QuestionKind::sphere: return kSphereNumbers;
-    case QuestionKind::box: return kBoxNumbers;
-    case QuestionKind::near: return kNearNumbers;
-    case QuestionKind::sweep: return kSweepNumbers;
-    case QuestionKind::inside: return kInsideNumbers;
-    case QuestionKind::what_if: return kPoseNumbers;
-    default: return 0;
-  }
-}
-
-/// kInside: the ray begins in the solid, the shape of a sweep does and does not meet its surface there, or the point of
-/// near or inside is in it or on it. kStale: the object's publisher is lost and its policy is `freeze`. kByWinding: inside
-/// by the winding number of a mesh that does not close; the distance is that of its surface.
-enum HitFlags : std::uint8_t { kInside = 1, kStale = 2, kByWinding = 4 };
+// A question is a row of so many doubles, in the order of question_columns() in idl/columns.hpp.
+using wire_contract::kBoxNumbers;
+using wire_contract::kInsideNumbers;
+using wire_contract::kNearNumbers;
+using wire_contract::kPoseNumbers;
+using wire_contract::kRayNumbers;
+using wire_contract::kSphereNumbers;
+using wire_contract::kSweepNumbers;
+using wire_contract::numbers_of;
 
 /// Questions of one kind, and the filter of what may answer them.
 struct Questions {
@@ -88,7 +76,7 @@ bool is_question(QuestionKind kind, const double* numbers);
 struct AnswerHit {
   ObjectId object = 0;
   std::uint32_t triangle = kNoTriangle;  // within the object (a part's triangles count from 0)
-  std::uint8_t flags = 0;                // HitFlags
+  std::uint8_t flags = 0;                // kHitInside and others
   // along the ray; depth for overlaps and inside; distance for near; 0 for sweeps, which have Answers::brackets
   double distance_m = 0;
   double error_m = 0;

@@ -51,7 +51,7 @@ struct Question {
             .pose = snapshot.has_given_poses ? &snapshot.poses[slot] : nullptr};
   }
   std::uint8_t flags_of(ObjectId id) const {
-    return snapshot.stale[slot_of(id)] != 0 ? std::uint8_t{kStale} : std::uint8_t{0};
+    return snapshot.stale[slot_of(id)] != 0 ? std::uint8_t{kHitStale} : std::uint8_t{0};
   }
   /// Order of what is equally near or deep: by name, then by triangle, so that it does not depend on what was loaded
   /// first.

@@ -48,7 +48,7 @@ inline Vec3 copied(const Vec3& v) { return {v[0], v[1], v[2]}; }
 inline AnswerHit answer_hit(const RayHit& hit, ObjectId object, std::uint32_t triangle, std::uint8_t flags) {
   return {.object = object,
           .triangle = triangle,
-          .flags = static_cast<std::uint8_t>(flags | (hit.inside ? kInside : 0)),
+          .flags = static_cast<std::uint8_t>(flags | (hit.inside ? kHitInside : 0)),
           .distance_m = hit.distance_m,
           .error_m = hit.distance_error_m,
           .exit_m = hit.exit_m,

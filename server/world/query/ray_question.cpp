@@ -82,7 +82,7 @@ inline AnswerHit RayWalk::answer_of(const RayHit& hit, ObjectId object, std::uin
 bool RayWalk::is_nearer(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) const {
   const AnswerHit& best = question.found.front();
   // A ray that begins in a solid, and not on its surface, meets the surface later, though maybe by less than a rounding.
-  if ((best.flags & kInside) != 0 && best.object == object && question.object(slot_of(object)).rare->solid)
+  if ((best.flags & kHitInside) != 0 && best.object == object && question.object(slot_of(object)).rare->solid)
     return false;
   const int order = order_of(hit, best.distance_m, best_error_m);
   if (order != 0) return order < 0;

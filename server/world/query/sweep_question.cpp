@@ -82,7 +82,7 @@ void begin_in(Question& question, const SolidMesh& solid, const Placed& outer, S
   touch.bracket = {.low = 0, .high = 0};
   touch.contact = found.contact;
   const ObjectId object = outer.info->id;
-  first.take(object, found.triangle, touch, static_cast<std::uint8_t>(question.flags_of(object) | kInside));
+  first.take(object, found.triangle, touch, static_cast<std::uint8_t>(question.flags_of(object) | kHitInside));
 }
 
 }  // namespace

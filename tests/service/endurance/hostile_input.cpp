@@ -281,17 +281,17 @@ class Border {
     }
   }
   void command() {
-    std::string text = R"({"command":"add","name":"x","pose":[0,0,0,1,0,0,0],"layers":1,"limit":10,"moving":true})";
+    std::string text = R"({"command":"add","name":"x","pose":[0,0,0,1,0,0,0],"layers":1,"moving":true})";
     for (std::uint64_t i = malice_.below(8); i > 0; --i)
       text[malice_.below(text.size())] = static_cast<char>(malice_.below(256));
     if (malice_.chance(0.05)) text = std::string(malice_.below(3'000), '[');
     timed("command", [&] {
       try {
-        const service::Arguments arguments(text);
-        arguments.allow_only({"name", "pose", "layers", "limit", "moving"});
+        const service::Arguments arguments(text, *wire_contract::command::find_command("add"));
+        arguments.refuse_unknown();
         static_cast<void>(arguments.text("name"));
-        static_cast<void>(arguments.whole("limit", 5, 100));
-        static_cast<void>(arguments.truth("moving", false));
+        static_cast<void>(arguments.whole("layers"));
+        static_cast<void>(arguments.truth("moving"));
         const std::optional<Pose> pose = arguments.pose("pose");
         result_.not_finite += !pose || pose->position.allFinite() ? 0 : 1;
       } catch (const service::BadCommand&) {}

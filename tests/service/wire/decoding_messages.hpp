@@ -33,7 +33,7 @@ inline Vec3 three(double first) { return {first, first + 1, first + 2}; }
 struct ReplyMessage {
   wire::Reply reply{};
   std::vector<std::uint8_t> answers{0, 1, 2}, reasons{0, 0, 4}, levels{1, 2, 0},
-      hit_flags{wire_contract::kInside, wire_contract::kStale};
+      hit_flags{wire_contract::kHitInside, wire_contract::kHitStale};
   std::vector<std::uint32_t> hit_counts{0, 2, 0}, nodes{10, 11, 12}, exact_tests{20, 21, 22},
       triangles{30, wire_contract::kNoTriangle};
   std::vector<std::uint64_t> objects{7, 9 + (std::uint64_t{3} << 32)};

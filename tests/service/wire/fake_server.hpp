@@ -175,7 +175,7 @@ class FakeServer {
       note_sequence(definition->publisher, definition->sequence_number);
       ++received_.definition_count;
       received_.largest_shape = std::max<std::size_t>(received_.largest_shape, definition->shape._length);
-      if (definition->object_number == wire_contract::kPublisherItself) {
+      if (definition->object_number == wire_contract::kObjectPublisherItself) {
         received_.gaps_s.push_back(definition->position[0]);
         continue;
       }
@@ -210,7 +210,7 @@ class FakeServer {
     }
     states_.assign(applied_.size(), hold_publisher_lost ? 2 : 0);
     if (busy_ns > 0) {
-      publishers_.push_back(wire_contract::kBusyWorld);
+      publishers_.push_back(wire_contract::kPublisherBusyWorld);
       sequences_.push_back(0);
       silent_.push_back(busy_ns);
       states_.push_back(0);
@@ -450,7 +450,7 @@ class FakeServer {
       if (hit) {
         objects.push_back(kWall);
         triangles.push_back(118);
-        hit_flags.push_back(wire_contract::kInside);
+        hit_flags.push_back(wire_contract::kHitInside);
         for (const double number : {x, 4.4e-16, 2 * x, 1.0, 2.0, 3.0, 0.0, 0.0, 1.0, 0.25, 0.25, 0.5, 8.8e-16}) {
           numbers.push_back(number);
         }

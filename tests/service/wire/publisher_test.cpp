@@ -212,13 +212,13 @@ TEST_F(ClientPublish, ASignOfLifeSaysNothingOfMotion) {
   for (std::size_t i = 1; i < batches.size(); ++i) {
     EXPECT_EQ(batches[i].sequence, 0u);
     EXPECT_TRUE(batches[i].object_numbers.empty());
-    EXPECT_NE(batches[i].flags & wire_contract::kStreamed, 0);
+    EXPECT_NE(batches[i].flags & wire_contract::kPosesStreamed, 0);
     EXPECT_GT(batches[i].source_time_ns, std::exchange(before_ns, batches[i].source_time_ns));
   }
   ASSERT_TRUE(publisher_->flush(7s));
   ASSERT_TRUE(publisher_->wait_applied(2s));
   ASSERT_TRUE(eventually([&] { return server_.received().batches.back().source_time_ns == 7'000'000'000; }));
-  EXPECT_EQ(server_.received().batches.back().flags & wire_contract::kStreamed, 0)
+  EXPECT_EQ(server_.received().batches.back().flags & wire_contract::kPosesStreamed, 0)
       << "a flush says that all has rested";
   std::this_thread::sleep_for(300ms);
   ASSERT_TRUE(publisher_->keep_alive());

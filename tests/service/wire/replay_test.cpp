@@ -143,7 +143,7 @@ class ClientReplay : public testing::Test {
     define(kBegin_ns - 3'600 * kSecond_ns, 9, 2, "nine");
     // Stamped by a clock that counts from the machine's start.
     pose(kBegin_ns, 3, 1'000, 0, 111);
-    pose(kBegin_ns + 40 * kMillisecond_ns, 4, 2'000, wire_contract::kTeleported, 40'000'111);
+    pose(kBegin_ns + 40 * kMillisecond_ns, 4, 2'000, wire_contract::kPosesTeleported, 40'000'111);
     pose(kBegin_ns + 100 * kMillisecond_ns, 5, 3'000, 0, 100'000'111);
     const std::string path = file_.close(2);
     FakeServer server(test::own_namespace());
@@ -176,7 +176,7 @@ class ClientReplay : public testing::Test {
         EXPECT_EQ(batch.velocities[k], rate * (froms[i] + 100 + static_cast<double>(k)));
       EXPECT_EQ(static_cast<double>(batch.source_time_ns - received.batches[0].source_time_ns),
                 static_cast<double>(after_ns[i]) / rate);
-      EXPECT_EQ(batch.flags, i == 1 ? wire_contract::kTeleported : 0);
+      EXPECT_EQ(batch.flags, i == 1 ? wire_contract::kPosesTeleported : 0);
       EXPECT_EQ(batch.sequence, 3 + i);
       EXPECT_EQ(batch.definitions_through, 2u);
     }

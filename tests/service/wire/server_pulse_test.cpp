@@ -196,7 +196,7 @@ TEST(ServerPulse, EveryFieldOfAStatusIsItsOwn) {
 // The last row of the publishers is the world's, where that is at a step: no publisher, and how long it has lasted.
 TEST(ServerPulse, ABusyWorldIsNoPublisher) {
   ServerPulse pulse;
-  const std::vector<std::uint64_t> publishers{20, wire_contract::kBusyWorld}, applied{30, 0};
+  const std::vector<std::uint64_t> publishers{20, wire_contract::kPublisherBusyWorld}, applied{30, 0};
   const std::vector<std::int64_t> silent{40, 5'000'000'000};
   const std::vector<std::uint8_t> states{0, 0};
   const std::vector<std::uint8_t> names = wire_contract::pack_names(std::vector<std::string>{"a", ""});

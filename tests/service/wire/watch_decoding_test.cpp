@@ -27,7 +27,7 @@ TEST(WatchDecoding, ADoubtHasItsReason) {
     EXPECT_EQ(heard->entries[1].event.doubt, Doubt::none);
   }
   FrameMessage frame;
-  frame.doubts[0] = static_cast<std::uint8_t>(Doubt::cost_limit) | wire_contract::kPosesMerged;
+  frame.doubts[0] = static_cast<std::uint8_t>(Doubt::cost_limit) | wire_contract::kDoubtPosesMerged;
   const Event merged = client::decode(frame.message(), names)->entries[0].event;
   EXPECT_TRUE(merged.poses_merged && merged.doubt == Doubt::cost_limit);
   EXPECT_FALSE(client::decode(frame.message(), names)->entries[1].event.poses_merged);

@@ -67,7 +67,7 @@ std::vector<Batch> make_batches(const Size& size) {
     batch.wire->publisher = kPublisher;
     batch.wire->incarnation = 1;
     batch.wire->definitions_through = size.movers;
-    batch.wire->flags = wire_contract::kTeleported;  // else the first way would lead through all the others
+    batch.wire->flags = wire_contract::kPosesTeleported;  // else the first way would lead through all the others
     dds::borrow(batch.wire->object_numbers, batch.numbers);
     wire::lend_columns<wire::PoseBatch>(batch.poses, wire::kPoseColumns, batch.columns, *batch.wire);
   }

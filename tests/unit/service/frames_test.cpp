@@ -26,6 +26,16 @@ Names split(const std::vector<std::uint8_t>& bytes) {
   return names;
 }
 
+/// The columns of numbers, row by row.
+template <class Message, class Columns>
+std::vector<double> numbers_in(const Columns& columns, wire::Columns<Message> of) {
+  dds::Sample<Message> message;
+  wire::lend(columns, *message);
+  std::vector<double> rows;
+  wire::gather_rows<Message>(*message, of, rows);
+  return rows;
+}
+
 class ServiceFrames : public testing::Test {
  protected:
   ObjectId define(const std::string& name, const Vec3& at, bool moving = true) {
@@ -68,27 +78,27 @@ TEST_F(ServiceFrames, AnEventTravelsWithEveryFieldInItsPlace) {
   second.sequence = 22;
   second.kind = EventKind::began;
   columns.add(second, book, true);
-  columns.named.fill([&](ObjectId id) { return book.name(id); });
+  put_names(columns, [&](ObjectId id) { return book.name(id); });
   EXPECT_EQ(columns.first_sequence, 21U);
   EXPECT_EQ(columns.size(), 2U);
   EXPECT_EQ(columns.kinds, (std::vector<std::uint8_t>{2, 0}));
   EXPECT_EQ(columns.reasons, (std::vector<std::uint8_t>{4, 4}));
-  EXPECT_EQ(columns.doubts[1], columns.doubts[0] | wire_contract::kPosesMerged);
+  EXPECT_EQ(columns.doubts[1], columns.doubts[0] | wire_contract::kDoubtPosesMerged);
   EXPECT_EQ(columns.shards, std::vector<std::uint8_t>(2, wire_contract::contact_shard(a, b)));
   EXPECT_EQ(columns.a, std::vector<std::uint64_t>(2, a));
   EXPECT_EQ(columns.b, std::vector<std::uint64_t>(2, b));
   EXPECT_EQ(columns.a_triangles, std::vector<std::uint32_t>(2, 3));
   EXPECT_EQ(columns.b_triangles, std::vector<std::uint32_t>(2, 5));
   EXPECT_EQ(columns.episodes, std::vector<std::uint64_t>(2, 11));
-  ASSERT_EQ(columns.numbers.size(), 2U * wire::width_of<wire::EventFrame>(wire::kEventColumns));
-  for (std::size_t i = 0; i < wire::width_of<wire::EventFrame>(wire::kEventColumns); ++i)
-    EXPECT_EQ(columns.numbers[i], static_cast<double>(i + 1)) << i;
-  EXPECT_EQ(columns.named.ids, (std::vector<std::uint64_t>{a, b})) << "each once";
-  EXPECT_EQ(split(columns.named.names), (Names{"left", "right"}));
-  columns.clear();
+  const std::vector<double> rows = numbers_in<wire::EventFrame>(columns, wire::kEventColumns);
+  ASSERT_EQ(rows.size(), 2U * wire::width_of<wire::EventFrame>(wire::kEventColumns));
+  for (std::size_t i = 0; i < rows.size() / 2; ++i) EXPECT_EQ(rows[i], static_cast<double>(i + 1)) << i;
+  EXPECT_EQ(columns.named_ids, (std::vector<std::uint64_t>{a, b})) << "each once";
+  EXPECT_EQ(split(columns.names), (Names{"left", "right"}));
+  wire::clear(columns);
   columns.add(second, book);
   EXPECT_EQ(columns.first_sequence, 22U) << "the next frame starts where this one ended";
-  EXPECT_EQ(columns.numbers.size(), std::size_t{wire::width_of<wire::EventFrame>(wire::kEventColumns)});
+  EXPECT_EQ(numbers_in<wire::EventFrame>(columns, wire::kEventColumns).size(), rows.size() / 2);
 }
 
 TEST_F(ServiceFrames, AContactTravelsWithEveryFieldInItsPlace) {
@@ -97,15 +107,16 @@ TEST_F(ServiceFrames, AContactTravelsWithEveryFieldInItsPlace) {
   book.note(contact_of(a, b), world);
   ContactColumns columns;
   columns.add(contact_of(a, b), book);
-  columns.named.fill([&](ObjectId id) { return book.name(id); });
+  put_names(columns, [&](ObjectId id) { return book.name(id); });
   EXPECT_EQ(columns.a, std::vector<std::uint64_t>{a});
   EXPECT_EQ(columns.b, std::vector<std::uint64_t>{b});
   EXPECT_EQ(columns.a_triangles, std::vector<std::uint32_t>{3});
   EXPECT_EQ(columns.b_triangles, std::vector<std::uint32_t>{5});
   EXPECT_EQ(columns.episodes, std::vector<std::uint64_t>{11});
   EXPECT_EQ(columns.began_ns, std::vector<std::int64_t>{13});
-  EXPECT_EQ(columns.numbers, (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}));
-  EXPECT_EQ(split(columns.named.names), (Names{"left", "right"}));
+  EXPECT_EQ(numbers_in<wire::ContactShard>(columns, wire::kContactColumns),
+            (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13}));
+  EXPECT_EQ(split(columns.names), (Names{"left", "right"}));
   EXPECT_EQ(columns.bytes(), 1 + 5U * 8 + 13 * 8 + 2 * 8 + sizeof "left" + sizeof "right");
 }
 
@@ -151,7 +162,7 @@ TEST_F(ServiceFrames, AHitOnWhatIsNotInTheStateHasNoNameBesideIt) {
   ASSERT_TRUE(filler.fill(columns));
   EXPECT_EQ(columns.objects, std::vector<std::uint64_t>{beyond});
   EXPECT_EQ(columns.triangles, std::vector<std::uint32_t>{5});
-  EXPECT_TRUE(columns.named.ids.empty());
+  EXPECT_TRUE(columns.named_ids.empty());
 }
 
 TEST_F(ServiceFrames, AReadingTravelsWithEveryFieldInItsPlace) {
@@ -168,18 +179,18 @@ TEST_F(ServiceFrames, AReadingTravelsWithEveryFieldInItsPlace) {
                          .normal = {6, 7, 8}});
   columns.add("other", {.object = head, .state = ProbeState::nothing});
   columns.add("none", {.state = ProbeState::absent});
-  columns.named.fill([&](ObjectId id) { return world.info(id)->name; });
+  put_names(columns, [&](ObjectId id) { return world.info(id)->name; });
   EXPECT_EQ(columns.states, (std::vector<std::uint8_t>{4, 1, 0}));
   EXPECT_EQ(columns.objects, (std::vector<std::uint64_t>{head, head, 0}));
   EXPECT_EQ(columns.met, (std::vector<std::uint64_t>{wall, 0, 0}));
   EXPECT_EQ(columns.triangles[0], 5U);
   EXPECT_EQ(columns.triangles[1], kNoTriangle);
-  EXPECT_EQ(std::vector<double>(columns.numbers.begin(), columns.numbers.begin() + 8),
-            (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
-  EXPECT_EQ(columns.numbers.size(), 24U);
+  const std::vector<double> rows = numbers_in<wire::ProbeFrame>(columns, wire::kProbeColumns);
+  EXPECT_EQ(std::vector<double>(rows.begin(), rows.begin() + 8), (std::vector<double>{1, 2, 3, 4, 5, 6, 7, 8}));
+  EXPECT_EQ(rows.size(), 24U);
   EXPECT_EQ(split(columns.probe_names), (Names{"nozzle", "other", "none"}));
-  EXPECT_EQ(columns.named.ids, (std::vector<std::uint64_t>{head, wall}));
-  EXPECT_EQ(split(columns.named.names), (Names{"head", "wall"}));
+  EXPECT_EQ(columns.named_ids, (std::vector<std::uint64_t>{head, wall}));
+  EXPECT_EQ(split(columns.names), (Names{"head", "wall"}));
 }
 
 // A reply's columns have the answers' values; a name comes with the first hit of its object in each reply.
@@ -196,7 +207,7 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
   answers.exact_tests = {20, 21, 22, 23};
   const AnswerHit hit{.object = b,
                       .triangle = 5,
-                      .flags = kInside,
+                      .flags = kHitInside,
                       .distance_m = 1,
                       .error_m = 2,
                       .exit_m = 3,
@@ -204,7 +215,7 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
                       .point_error_m = 13,
                       .normal = {7, 8, 9},
                       .weights = {10, 11, 12}};
-  answers.hits = {hit, {.object = a, .distance_m = 4}, {.object = b, .flags = kStale}};
+  answers.hits = {hit, {.object = a, .distance_m = 4}, {.object = b, .flags = kHitStale}};
   answers.not_covered = {{.question = 2, .leaving = {.point = {7, 8, 9}, .covered_m = 6}}};
   std::vector<std::uint64_t> named_in;
   std::uint64_t reply_number = 0;
@@ -223,7 +234,7 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
     EXPECT_EQ(columns.exact_tests, (std::vector<std::uint32_t>{20, 21, 22, 23}));
     EXPECT_EQ(columns.objects, (std::vector<std::uint64_t>{b, a, b}));
     EXPECT_EQ(columns.triangles[0], 5U);
-    EXPECT_EQ(columns.hit_flags, (std::vector<std::uint8_t>{kInside, 0, kStale}));
+    EXPECT_EQ(columns.hit_flags, (std::vector<std::uint8_t>{kHitInside, 0, kHitStale}));
     EXPECT_EQ(columns.distances, (std::vector<double>{1, 4, 0}));
     EXPECT_EQ(columns.distance_errors, (std::vector<double>{2, 0, 0}));
     EXPECT_EQ(columns.exits, (std::vector<double>{3, 0, 0}));
@@ -235,8 +246,8 @@ TEST_F(ServiceFrames, AnAnswerTravelsWithEveryFieldInItsPlace) {
     EXPECT_EQ(columns.uncovered_questions, std::vector<std::uint32_t>{2});
     EXPECT_EQ(columns.uncovered_points, (std::vector<double>{7, 8, 9}));
     EXPECT_EQ(columns.uncovered_distances, std::vector<double>{6});
-    EXPECT_EQ(columns.named.ids, (std::vector<std::uint64_t>{b, a})) << "anew in every reply";
-    EXPECT_EQ(split(columns.named.names), (Names{"right", "left"}));
+    EXPECT_EQ(columns.named_ids, (std::vector<std::uint64_t>{b, a})) << "anew in every reply";
+    EXPECT_EQ(split(columns.names), (Names{"right", "left"}));
     EXPECT_FALSE(filler.fill(columns));
   }
 }

@@ -70,7 +70,7 @@ TEST(Inbox, EachPublisherHasItsTurnInEachRound) {
   using Batches = std::vector<std::pair<std::uint64_t, std::uint64_t>>;
   Inbox inbox;
   for (std::uint64_t i = 1; i <= 3; ++i) inbox.push(batch_of(7, i));
-  inbox.push(batch_of(8, 1, wire_contract::kMoreFollows));
+  inbox.push(batch_of(8, 1, wire_contract::kPosesMoreFollows));
   inbox.push(batch_of(8, 2));
   inbox.push(batch_of(8, 3));
   EXPECT_EQ(batches_of(take_round(inbox)), (Batches{{7, 1}, {8, 1}, {8, 2}})) << "an instant is not torn";
@@ -208,14 +208,14 @@ TEST(Inbox, WhatWasMergedHasTheStampsOfTheNewest) {
 // Else the poses would be dated by their reception: later than they were.
 TEST(Inbox, ASignOfLifeTakesNothingFromWhatItIsMergedWith) {
   Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 10, .definition_bytes = 1'000, .jobs = 1});
-  auto posed = batch(1, {{1, 1}}, wire_contract::kStreamed);
+  auto posed = batch(1, {{1, 1}}, wire_contract::kPosesStreamed);
   posed->source_time_ns = 500;
   posed->received_ns = 900;
   inbox.push(std::move(posed));
-  auto sign_of_life = batch(2, {}, wire_contract::kAllSaid);
+  auto sign_of_life = batch(2, {}, wire_contract::kPosesAllSaid);
   sign_of_life->received_ns = 950;
   inbox.push(std::move(sign_of_life));
-  auto stamped = batch(0, {}, wire_contract::kStreamed);
+  auto stamped = batch(0, {}, wire_contract::kPosesStreamed);
   stamped->source_time_ns = 700;
   stamped->received_ns = 960;
   inbox.push(std::move(stamped));
@@ -225,10 +225,11 @@ TEST(Inbox, ASignOfLifeTakesNothingFromWhatItIsMergedWith) {
   EXPECT_EQ(merged.source_time_ns, 500);
   EXPECT_EQ(merged.received_ns, 900);
   EXPECT_EQ(merged.sequence, 2U);
-  EXPECT_EQ(merged.flags, wire_contract::kStreamed | wire_contract::kAllSaid) << "what was said of the publisher holds";
+  EXPECT_EQ(merged.flags, wire_contract::kPosesStreamed | wire_contract::kPosesAllSaid)
+      << "what was said of the publisher holds";
   // And nothing is left over for the next that is merged; a framed publisher stays one beside its signs of life.
   inbox.push(batch(3, {{1, 2}}));
-  inbox.push(batch(0, {}, wire_contract::kStreamed));
+  inbox.push(batch(0, {}, wire_contract::kPosesStreamed));
   arrivals = drain(inbox);
   ASSERT_EQ(arrivals.size(), 1U);
   EXPECT_EQ(std::get<std::unique_ptr<PoseSample>>(arrivals[0])->flags, 0);
@@ -237,7 +238,7 @@ TEST(Inbox, ASignOfLifeTakesNothingFromWhatItIsMergedWith) {
 
 TEST(Inbox, ALaterLifeTakesThePlaceOfAnEarlierOne) {
   Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 3, .definition_bytes = 1'000, .jobs = 1});
-  inbox.push(batch(50, {{1, 1}, {2, 1}}, wire_contract::kTeleported));
+  inbox.push(batch(50, {{1, 1}, {2, 1}}, wire_contract::kPosesTeleported));
   auto reborn = batch(3, {{2, 5}});
   reborn->incarnation = 2;
   inbox.push(std::move(reborn));
@@ -279,13 +280,13 @@ TEST(Inbox, NothingOvertakesWhatWasMerged) {
 // A skipped teleport must not become a sweep across the room.
 TEST(Inbox, AMergedTeleportStaysOne) {
   Inbox inbox({.batches = 0, .poses = 0, .merged_objects = 10, .definition_bytes = 1'000, .jobs = 1});
-  inbox.push(batch(1, {{1, 1}, {2, 1}}, wire_contract::kTeleported));
+  inbox.push(batch(1, {{1, 1}, {2, 1}}, wire_contract::kPosesTeleported));
   inbox.push(batch(2, {{1, 2}, {3, 2}}));
   const std::vector<Arrival> arrivals = drain(inbox);
   ASSERT_EQ(arrivals.size(), 2U);
   for (const Arrival& arrival : arrivals) {
     const PoseSample& sample = *std::get<std::unique_ptr<PoseSample>>(arrival);
-    const bool teleported = sample.flags == wire_contract::kTeleported;
+    const bool teleported = sample.flags == wire_contract::kPosesTeleported;
     EXPECT_EQ(sample.object_numbers.size(), teleported ? 2U : 1U);
   }
 }

@@ -483,7 +483,7 @@ TEST_F(PublishersTest, APublisherIsCompleteOnceItHasSaidSoAndNoLongerOnceItIsLos
   move(pose(2, {{1, 2}}));
   EXPECT_FALSE(publishers.is_complete(kPublisher));
   PoseSample last = pose(3, {{1, 2}});
-  last.flags = wire_contract::kAllSaid;
+  last.flags = wire_contract::kPosesAllSaid;
   move(last);
   step();
   EXPECT_TRUE(publishers.is_complete(kPublisher));

@@ -30,7 +30,7 @@ TEST_F(PublishersTest, BatchesOfOneInstantLandTogether) {
   define(definition(2, 2, "second"));
   step();
   PoseSample part = pose(3, {{1, 5}});
-  part.flags = wire_contract::kMoreFollows;
+  part.flags = wire_contract::kPosesMoreFollows;
   move(part);
   step();
   EXPECT_EQ(height("first"), 3) << "more of its instant is to come";
@@ -363,7 +363,7 @@ TEST_F(PublishersTest, ATeleportIsNoWayAndAMoveIs) {
   step();
   events.clear();
   PoseSample jump = pose(2, {{1, -3}});
-  jump.flags = wire_contract::kTeleported;
+  jump.flags = wire_contract::kPosesTeleported;
   move(jump);
   step();
   EXPECT_TRUE(events.empty()) << "through the floor, but not past it";
@@ -407,7 +407,7 @@ TEST_F(PublishersTest, APublishersGapSaysUpToWhenItsPosesConnect) {
   const auto place_at = [&](double gap_s, std::int64_t ago_ns) {
     World own{WorldOptions{.memory = {.reach_ns = 60 * kSecondNs}}};
     Publishers own_publishers{own, PublisherLimits{}};
-    DefinitionSample itself = removal(wire_contract::kPublisherItself, 1);
+    DefinitionSample itself = removal(wire_contract::kObjectPublisherItself, 1);
     itself.pose[0] = gap_s;
     std::int64_t time_ns = 1'000 * kSecondNs;
     const auto next = [&] {
@@ -437,7 +437,7 @@ TEST_F(PublishersTest, APublishersGapSaysUpToWhenItsPosesConnect) {
 TEST_F(PublishersTest, AGapOutOfBoundsIsRefused) {
   std::uint64_t sequence = 0;
   for (const double gap_s : {0.0, -1.0, 1e-9, 8.001, std::numeric_limits<double>::quiet_NaN()}) {
-    DefinitionSample itself = removal(wire_contract::kPublisherItself, ++sequence);
+    DefinitionSample itself = removal(wire_contract::kObjectPublisherItself, ++sequence);
     itself.pose[0] = gap_s;
     define(itself);
     EXPECT_EQ(publishers.counts().definitions_refused, sequence);
@@ -484,7 +484,7 @@ TEST_F(PublishersTest, APoseStampedBeforeASignOfLifeIsNotLate) {
     step();
   };
   say(pose(2, {{1, 4}}), 9'000 * kMs, 0);
-  for (int ms = 9'250; ms <= 10'300; ms += 250) say(pose(0, {}), ms * kMs, wire_contract::kStreamed);
+  for (int ms = 9'250; ms <= 10'300; ms += 250) say(pose(0, {}), ms * kMs, wire_contract::kPosesStreamed);
   say(pose(3, {{1, 6}}), 10'000 * kMs, 0);
   EXPECT_EQ(publishers.counts().stamps_late, 0U);
   EXPECT_EQ(world.newest()->posed_ns[slot_of(*world.find("ball"))], 10'000 * kMs);
@@ -498,7 +498,7 @@ TEST_F(PublishersTest, AStreamedPublishersTimeBeginsWithItsFirstWord) {
   step();
   const auto say = [&](PoseSample sample, std::int64_t time_ns) {
     sample.source_time_ns = time_ns;
-    sample.flags = wire_contract::kStreamed;
+    sample.flags = wire_contract::kPosesStreamed;
     move(sample);
     step();
   };

@@ -455,11 +455,11 @@ class ReplyFilling : public ::testing::Test {
       EXPECT_EQ(filler.first(), answered);
       EXPECT_LE(columns.objects.size(), wire_contract::kMaxHitsPerChunk);
       const std::size_t bytes = columns.objects.size() * (8 * wire_contract::kHitNumbers) +
-                                columns.objects.size() * 13 + columns.named.names.size() +
-                                columns.named.ids.size() * 8 + columns.answers.size() * 15;
+                                columns.objects.size() * 13 + columns.names.size() + columns.named_ids.size() * 8 +
+                                columns.answers.size() * 15;
       EXPECT_LT(bytes, wire_contract::kMaxMessageBytes);
-      EXPECT_EQ(static_cast<std::size_t>(std::count(columns.named.names.begin(), columns.named.names.end(), 0)),
-                columns.named.ids.size());
+      EXPECT_EQ(static_cast<std::size_t>(std::count(columns.names.begin(), columns.names.end(), 0)),
+                columns.named_ids.size());
       answered += columns.answers.size();
       hits += columns.objects.size();
       ++replies;
@@ -495,7 +495,7 @@ TEST_F(ReplyFilling, AQuestionThatMeetsTheSameObjectsAgainHasRoom) {
   ReplyColumns columns;
   ASSERT_TRUE(filler.fill(columns));
   EXPECT_EQ(columns.objects.size(), wire_contract::kMaxHitsPerChunk);
-  EXPECT_EQ(columns.named.ids.size(), kObjects);
+  EXPECT_EQ(columns.named_ids.size(), kObjects);
   EXPECT_EQ(columns.reasons, std::vector<std::uint8_t>{static_cast<std::uint8_t>(answers.reasons[0])});
   EXPECT_EQ(filler.undecided(), 0U);
   EXPECT_FALSE(filler.fill(columns));

@@ -5,30 +5,23 @@
 #include <limits>
 #include <vector>
 
-#include "idl/columns.hpp"
-
 namespace collided::engine::service {
 namespace {
 
 constexpr std::int64_t kOneSecond = 1'000'000'000;
-const std::size_t kWidth = wire::width_of<wire::EventFrame>(wire::kEventColumns);
 
 EventColumns events_of(std::uint64_t first, std::size_t count) {
   EventColumns events;
   events.first_sequence = first;
   events.kinds.resize(count);
-  events.numbers.resize(count * kWidth);
+  events.bracket_lows.resize(count);
   return events;
 }
 
 /// One event whose bracket begins so long before the frame's time.
 EventColumns event_from_ago(std::uint64_t number, double ago_s) {
   EventColumns events = events_of(number, 1);
-  std::size_t place = 0;
-  for (const auto& column : wire::kEventColumns) {
-    if (column.sequence == &wire::EventFrame::bracket_lows) events.numbers[place] = ago_s;
-    place += column.width;
-  }
+  events.bracket_lows[0] = ago_s;
   return events;
 }
 

@@ -33,7 +33,7 @@ class BookKeeper : public EventWriter {
     const std::lock_guard lock(mutex);
     EXPECT_LE(events.size(), wire_contract::kMaxEventsPerFrame);
     EXPECT_EQ(events.first_sequence, last_sequence + 1);
-    std::set<ObjectId> named(events.named.ids.begin(), events.named.ids.end());
+    std::set<ObjectId> named(events.named_ids.begin(), events.named_ids.end());
     for (std::size_t i = 0; i < events.size(); ++i) {
       EXPECT_TRUE(named.contains(events.a[i]) && named.contains(events.b[i]));
       const std::uint64_t hash = wire_contract::contact_hash(events.a[i], events.b[i], events.episodes[i]);
@@ -43,8 +43,8 @@ class BookKeeper : public EventWriter {
       reasons[events.reasons[i]] += 1;
       ++last_sequence;
     }
-    for (std::size_t start = 0; start < events.named.names.size();) {
-      const std::string name(reinterpret_cast<const char*>(&events.named.names[start]));
+    for (std::size_t start = 0; start < events.names.size();) {
+      const std::string name(reinterpret_cast<const char*>(&events.names[start]));
       EXPECT_FALSE(name.empty()) << "an object that is gone has its name in the event that says so";
       start += name.size() + 1;
     }

@@ -251,7 +251,7 @@ TEST_F(WorldByHand, AnOverlapSaysWhichObjectsAreStale) {
   const Answers sphere = ask({.kind = QuestionKind::sphere, .numbers = {}}, {0.5, 0, 0, 0.25});
   const Answers box = ask({.kind = QuestionKind::box, .numbers = {}}, {0.5, 0, 0, 0.25, 0.25, 0.25, 0, 0, 0, 1});
   for (const Answers* answers : {&sphere, &box}) {
-    EXPECT_EQ(flags_of(*answers, stale), kStale);
+    EXPECT_EQ(flags_of(*answers, stale), kHitStale);
     EXPECT_EQ(flags_of(*answers, fresh), 0);
   }
 }

@@ -113,7 +113,7 @@ TEST_F(WorldInside, DepthIsThatOfThePoint) {
   inside({0.25, 0, 0});
   EXPECT_EQ(names(), "cube");
   expect_first(0.75);
-  EXPECT_EQ(answers_.hits[0].flags, kInside);
+  EXPECT_EQ(answers_.hits[0].flags, kHitInside);
   EXPECT_EQ(answers_.hits[0].point, Vec3(1, 0, 0));
   inside({1, 0.5, 0.5});
   EXPECT_EQ(answers_.answers[0], Verdict::hit) << "the surface belongs to the solid";
@@ -145,7 +145,7 @@ TEST_F(WorldInside, NearIsZeroInASolidAndSignedMinusTheDepth) {
   add("ball", Sphere{.center = Vec3::Zero(), .radius_m = 1}, {0, 0, 5});
   ask(QuestionKind::near, {0.25, 0, 0, INFINITY}, HitMode::closest, 1);
   expect_first(0);
-  EXPECT_EQ(answers_.hits[0].flags, kInside);
+  EXPECT_EQ(answers_.hits[0].flags, kHitInside);
   ask(QuestionKind::near, {0.25, 0, 0, INFINITY}, HitMode::signed_near, 1);
   expect_first(-0.75);
   EXPECT_EQ(names(), "cube");

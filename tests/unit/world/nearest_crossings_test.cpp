@@ -24,7 +24,7 @@ int scenes_asked(int fallback) {
   return text != nullptr ? std::atoi(text) : fallback;
 }
 
-double between(std::mt19937_64& random, double low, double high) {
+double drawn(std::mt19937_64& random, double low, double high) {
   return std::uniform_real_distribution<double>(low, high)(random);
 }
 
@@ -40,18 +40,18 @@ struct NearestScene {
 };
 
 std::vector<std::int64_t> random_times(std::mt19937_64& random) {
-  const double period_ns = between(random, 2e7, 1.8e8);
+  const double period_ns = drawn(random, 2e7, 1.8e8);
   std::vector<std::int64_t> times;
-  for (double time_ns = 1'000; time_ns < 1.2e9 || times.size() < 3; time_ns += period_ns * between(random, 0.7, 1.3))
+  for (double time_ns = 1'000; time_ns < 1.2e9 || times.size() < 3; time_ns += period_ns * drawn(random, 0.7, 1.3))
     times.push_back(kStart + static_cast<std::int64_t>(time_ns));
   return times;
 }
 
 MovingBody random_ball(std::mt19937_64& random, const std::vector<std::int64_t>& times, double size, double speed) {
   const auto vector = [&](double most) {
-    return Vec3(between(random, -most, most), between(random, -most, most), between(random, -most, most));
+    return Vec3(drawn(random, -most, most), drawn(random, -most, most), drawn(random, -most, most));
   };
-  MovingBody ball{.form = size * between(random, 0.005, 0.05), .instants = {}};
+  MovingBody ball{.form = size * drawn(random, 0.005, 0.05), .instants = {}};
   Vec3 at = vector(size);
   std::int64_t before_ns = times.front();
   for (const std::int64_t time_ns : times) {
@@ -65,8 +65,8 @@ MovingBody random_ball(std::mt19937_64& random, const std::vector<std::int64_t>&
 }
 
 NearestScene random_scene(std::mt19937_64& random) {
-  const double size = std::exp(between(random, 0, 4));
-  const double speed = size * std::exp(between(random, 0, 2));
+  const double size = std::exp(drawn(random, 0, 4));
+  const double speed = size * std::exp(drawn(random, 0, 2));
   NearestScene scene;
   const std::size_t publishers = std::uniform_int_distribution<std::size_t>(1, 3)(random);
   std::vector<std::vector<std::int64_t>> times;
@@ -82,8 +82,8 @@ NearestScene random_scene(std::mt19937_64& random) {
     scene.publishers.push_back(std::uniform_int_distribution<std::size_t>(0, publishers - 1)(random));
     scene.balls.push_back(random_ball(random, times[scene.publishers.back()], size, speed));
   }
-  scene.rule.within_m = size * between(random, 0.4, 3);
-  if (std::bernoulli_distribution(0.5)(random)) scene.rule.hysteresis_m = size * between(random, 0, 0.3);
+  scene.rule.within_m = size * drawn(random, 0.4, 3);
+  if (std::bernoulli_distribution(0.5)(random)) scene.rule.hysteresis_m = size * drawn(random, 0, 0.3);
   scene.is_streamed = std::bernoulli_distribution(0.25)(random);
   scene.is_compound = std::bernoulli_distribution(0.2)(random);
   return scene;

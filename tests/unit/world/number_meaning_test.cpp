@@ -66,7 +66,7 @@ TEST(NumberMeaning, NearSaysWhetherThePointIsInASolid) {
   const auto inside = [&](const Vec3& point, double reach_m) {
     const Answers answers = ask(stage, QuestionKind::near, {point.x(), point.y(), point.z(), reach_m});
     EXPECT_EQ(answers.hits.size(), 1u);
-    return !answers.hits.empty() && (answers.hits[0].flags & kInside) != 0;
+    return !answers.hits.empty() && (answers.hits[0].flags & kHitInside) != 0;
   };
   EXPECT_TRUE(inside({0.5, 0, 0}, 1));
   EXPECT_TRUE(inside({1, 0.5, 0}, 1)) << "on its face";

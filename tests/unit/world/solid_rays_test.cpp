@@ -40,7 +40,7 @@ TEST_F(WorldFromInside, ARayThatBeginsInASolidSaysSoAndWhereItLeaves) {
     const AnswerHit& hit = answers_.hits[0];
     EXPECT_EQ(hit.distance_m, 0);
     EXPECT_EQ(hit.error_m, 0);
-    EXPECT_EQ(hit.flags, kInside);
+    EXPECT_EQ(hit.flags, kHitInside);
     EXPECT_EQ(hit.triangle, kNoTriangle);
     EXPECT_NEAR(hit.exit_m, 0.75, 1e-15);
     EXPECT_EQ(hit.point, Vec3(0.25, 0, 0));
@@ -98,7 +98,7 @@ TEST_F(WorldFromInside, ARayFromAHairInsideLeavesAgain) {
       ++hair_count;
       ASSERT_EQ(answers_.hits.size(), 1u) << i;
       const AnswerHit& hit = answers_.hits[0];
-      ASSERT_EQ(hit.flags, kInside) << i;
+      ASSERT_EQ(hit.flags, kHitInside) << i;
       EXPECT_EQ(hit.distance_m, 0);
       EXPECT_TRUE(std::isfinite(hit.exit_m)) << i;
       ask(QuestionKind::near, {point.x(), point.y(), point.z(), INFINITY}, HitMode::signed_near, 1);
@@ -136,7 +136,7 @@ TEST_F(WorldFromInside, NearIsDecidedForAPosedBoxAsGiven) {
     for (const HitMode mode : {HitMode::closest, HitMode::signed_near}) {
       ask(QuestionKind::near, {point.x(), point.y(), point.z(), INFINITY}, mode, 1);
       const AnswerHit& hit = answers_.hits.at(0);
-      EXPECT_EQ(hit.flags, depth >= 0 ? kInside : 0) << i;
+      EXPECT_EQ(hit.flags, depth >= 0 ? kHitInside : 0) << i;
       const mpq_class truth = depth >= 0 && mode == HitMode::closest ? mpq_class(0) : mpq_class(-depth);
       EXPECT_TRUE(abs(mpq_class(hit.distance_m) - truth) <= mpq_class(hit.error_m)) << i << ' ' << hit.distance_m;
     }
@@ -276,7 +276,7 @@ TEST_F(WorldFromInside, RandomRaysAreDecidedAsByRationals) {
       const bool is_in = truth.side(oracle::seen_from(where, from), random) == SolidSide::in;
       ask(QuestionKind::ray, ray_numbers(from, along), HitMode::closest);
       const double exit_m = exit_by_rationals({.origin = from, .direction = along}, mesh, where);
-      ASSERT_EQ(!answers_.hits.empty() && (answers_.hits[0].flags & kInside) != 0, is_in);
+      ASSERT_EQ(!answers_.hits.empty() && (answers_.hits[0].flags & kHitInside) != 0, is_in);
       if (is_in) {
         ++begun_inside;
         ASSERT_EQ(answers_.hits[0].distance_m, 0);
@@ -317,7 +317,7 @@ TEST_F(WorldFromInside, ASweepThatBeginsInASolidHasItsContactAtTheStart) {
       EXPECT_EQ(names(), "solid");
       EXPECT_EQ(answers_.brackets[0].low, 0);
       EXPECT_EQ(answers_.brackets[0].high, 0);
-      EXPECT_EQ(answers_.hits[0].flags, kInside);
+      EXPECT_EQ(answers_.hits[0].flags, kHitInside);
       EXPECT_EQ(answers_.hits[0].normal, Vec3(1, 0, 0)) << "out of the solid";
     }
     ASSERT_EQ(sweep({1.05, 0, 0}, {5, 0, 0}).hits.size(), 1u);

@@ -122,7 +122,7 @@ TEST(StaleReach, WhatStoodStillIsWhereItWas) {
   EXPECT_EQ(lost.ask(QuestionKind::ray, {5, 0, -50, 0, 0, 1, 100}).answers[0], Verdict::miss);
   const Answers hit = lost.ask(QuestionKind::ray, {1, 0, -50, 0, 0, 1, 100});
   EXPECT_EQ(hit.answers[0], Verdict::hit);
-  EXPECT_EQ(hit.hits[0].flags & kStale, kStale);
+  EXPECT_EQ(hit.hits[0].flags & kHitStale, kHitStale);
 }
 
 // Hits stay where nothing could be nearer, or any will do; the nearest one is in doubt where it lies behind.

@@ -59,7 +59,7 @@ TEST_F(WorldWinding, ABoxWithoutLidHoldsAPointAndSaysByWhat) {
       << declared.warnings[0];
   inside({0.25, 0, -0.5});
   ASSERT_EQ(names(), "crate");
-  EXPECT_EQ(answers_.hits[0].flags, kInside | kByWinding);
+  EXPECT_EQ(answers_.hits[0].flags, kHitInside | kHitByWinding);
   EXPECT_DOUBLE_EQ(answers_.hits[0].distance_m, 0.5) << "how far the surface is";
   EXPECT_EQ(answers_.hits[0].error_m, INFINITY) << "which is no depth: there may be a way out through the hole";
   EXPECT_EQ(inside({0.25, 0, 1.01}).answers[0], Verdict::miss);
@@ -71,7 +71,7 @@ TEST_F(WorldWinding, NearHasASignByItAndIsElseThatOfTheSurface) {
   add_by_winding("crate", box_without_lid(), {});
   ask(QuestionKind::near, {0.25, 0, -0.5, INFINITY}, HitMode::signed_near, 1);
   expect_first(-0.5);
-  EXPECT_EQ(answers_.hits[0].flags, kInside | kByWinding);
+  EXPECT_EQ(answers_.hits[0].flags, kHitInside | kHitByWinding);
   ask(QuestionKind::near, {0.25, 0, -0.5, INFINITY}, HitMode::closest, 1);
   expect_first(0.5);
   EXPECT_EQ(answers_.hits[0].flags, 0);
@@ -94,7 +94,7 @@ TEST_F(WorldWinding, WhatClosesStaysExact) {
   EXPECT_TRUE(declared.warnings.empty());
   inside({1, 0, 0});
   EXPECT_EQ(names(), "cube");
-  EXPECT_EQ(answers_.hits[0].flags, kInside) << "on the surface, which a winding number would not decide";
+  EXPECT_EQ(answers_.hits[0].flags, kHitInside) << "on the surface, which a winding number would not decide";
 }
 
 // The frame rounds, so a point may be seen on another side of 1/2 than the pose has it: such are undecided.
