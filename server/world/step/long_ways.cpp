@@ -13,19 +13,23 @@ constexpr std::size_t kFewestMovers = 256;
 constexpr std::size_t kSample = 128;
 
 // Measured in ns, of which only the ratios matter: a box made, put into a grid and looked at; a pair found, and found
-// within a part, where each is sorted too.
+// within a part, where each is sorted too; a pair decided, of balls and of anything else.
 constexpr double kBoxCost = 300;
-constexpr double kPairCost = 55;
-constexpr double kPartPairCost = 80;
-/// The estimate takes places for independent of each other; only a clear gain counts.
-constexpr double kClearGain = 0.7;
+constexpr double kFoundCost = 25;
+constexpr double kFoundInPartCost = 80;
+constexpr double kBallsCost = 30;
+constexpr double kOthersCost = 3'000;
+/// The estimate takes places for independent of each other, and is up to twice of what long ways cost; only a clear gain
+/// counts.
+constexpr double kClearGain = 0.45;
 
 /// What the movers are like on average.
 struct Crowd {
   Vec3 size = Vec3::Zero();
   Vec3 travel = Vec3::Zero();
-  Aabb at_begin, at_end, all_along;  // where they are
-  double count = 0;                  // of all boxes
+  Aabb at_begin, at_end;  // where they are
+  double count = 0;       // of all boxes
+  double balls = 0;       // share of the movers
 
   /// Pairs of boxes of this size that overlap in the room.
   double pairs_in(const Aabb& room, const Vec3& box) const {
@@ -35,9 +39,9 @@ struct Crowd {
   }
   double cost_of(std::uint32_t parts) const {
     const Vec3 box = size + travel / parts;
-    if (parts == 1) return count * kBoxCost + pairs_in(all_along, box) * kPairCost;
     const double pairs = (pairs_in(at_begin, box) + pairs_in(at_end, box)) / 2;
-    return parts * (count * kBoxCost + pairs * kPartPairCost);
+    const double decided = balls * kBallsCost + (1 - balls) * kOthersCost;
+    return parts * (count * kBoxCost + pairs * (decided + (parts == 1 ? kFoundCost : kFoundInPartCost)));
   }
 };
 
@@ -75,14 +79,15 @@ std::uint32_t LongWays::part_count(std::size_t boxes) const {
     if (!way) continue;
     crowd.size += way->size();
     crowd.travel += way->travel().cwiseAbs();
+    crowd.balls += step_.motion.ball(moved[i]).radius_m >= 0 ? 1 : 0;
     crowd.at_begin.extend(way->between(0, 0));
     crowd.at_end.extend(way->between(1, 1));
-    crowd.all_along.extend(way->between(0, 1));
     ++sampled;
   }
   if (sampled < kSample / 2) return 1;
   crowd.size /= static_cast<double>(sampled);
   crowd.travel /= static_cast<double>(sampled);
+  crowd.balls /= static_cast<double>(sampled);
   std::uint32_t best = 1;
   double least = kClearGain * crowd.cost_of(1);
   for (std::uint32_t parts = 2; parts <= kMostParts; parts *= 2) {
