@@ -68,7 +68,7 @@ inline constexpr const char* kCovers = "covers";
 /// only with succession). Refused by a server that holds all of its world
 inline constexpr const char* kShard = "shard";
 
-/// What becomes of the shards, told to each of them; see idl/shards/shard_split.hpp. What has a revision that is not
+/// What becomes of the shards, sent to each of them; see idl/shards/shard_split.hpp. What has a revision that is not
 /// higher than the last one is refused, and what does not begin with the map that holds here. With phase `done` a server
 /// that is no shard of the next map covers nothing from then on. -> version
 inline constexpr const char* kSuccession = "succession";
@@ -131,16 +131,9 @@ inline constexpr const char* kClientGone = R"({"gone":true})";
 /// in_doubt, cut_short (searches that ended at their limit of looks)}], count, version
 inline constexpr const char* kFences = "fences";
 
-/// -> answer (hit, miss, undecided), version, stale (true: one of the two is where a lost publisher said last; absent:
-///    neither), late (true: the deadline was over, and nothing else is told), and
-///    hit:  depth, error, normal (from a to b), point, a_triangle, b_triangle, manifold [[point 3, depth, bound,
-///          a_triangle, b_triangle]]
-///    miss: distance, error, normal, on_a, on_b, point_error, contained ("", "a", "b": in the other's closed mesh);
-///          in a declared solid depth, depth_error (the shortest way out is between depth and their sum)
-///    with triangles:   triangle_pairs [[a, b, from 3, to 3, error]], pair_count, cut (there are more than reported)
-///    with opinion:     opinion {verdict (agree, differ, failed, unsupported), touches, distance (m), why}; touches and
-///                      distance are FCL's answer, absent where it gives none
-///    with certificate: certificate, as client/library/asking/pair.cpp reads it, or no_certificate (why)
+/// How two objects stand to each other.
+/// -> PairAnswer; idl/answers/pair.hpp lists its members. triangle_pairs, pair_count and cut are absent where no triangles
+///    meet; `opinion` has FCL's touches and distance, each absent where it gives none
 inline constexpr const char* kPair = "pair";
 
 /// Why two objects touch or do not, and why events do or do not say so.
@@ -160,13 +153,7 @@ inline constexpr const char* kAllowed = "allowed";
 
 /// The nearest pairs of two groups, each object of one with each of the other. A group is named by an object, a scene
 /// (all that was loaded with it) or a glob.
-/// -> answer (hit: a pair touches; miss; undecided), version, pairs [{a (of from), b, a_id, b_id, answer, clearance (m; negative:
-///    depth), error, contained ("", "a", "b": which lies within the other, a solid), on_a, on_b, point_error, normal
-///    (from a to b), a_triangle, b_triangle, stale, certificate or no_certificate as of pair}] least clearance first,
-///    from_count, to_count (objects), filtered (pairs left out that pass through each other, among those near enough to
-///    be looked at), tested (pairs), cut (true: there are more), late (true: the deadline was over, some pairs were not
-///    looked at), stale (true: an object of a lost publisher may be in a nearer pair by now),
-///    uncovered [3] (only without `to`: a point nearer than what is told, that is not covered)
+/// -> ClearanceAnswer; idl/answers/pair.hpp lists its members
 inline constexpr const char* kClearance = "clearance";
 
 /// An object that no publisher has moves along with another one, until one of the two is removed or the first is

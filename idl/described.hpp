@@ -42,10 +42,11 @@ struct DescribedField {
   const Member& of(const T& answer) const { return answer.*member; }
   /// The word for an enumeration's code; empty: it has none.
   std::string_view word(Member code) const {
+    if constexpr (requires { name_of(code); }) {
+      if (words.empty()) return name_of(code);
+    }
     const auto number = static_cast<std::size_t>(code);
-    if constexpr (requires { name_of(code); })
-      return words.empty() ? name_of(code) : number < words.size() ? words[number] : "";
-    else return number < words.size() ? words[number] : "";
+    return number < words.size() ? words[number] : "";
   }
 };
 template <class T, class Member>

@@ -15,7 +15,7 @@ using wire_contract::ReplyStatus;
 
 namespace {
 
-ClearancePair told(const MemberPair& pair, const Snapshot& state, bool with_certificate) {
+ClearancePair answer_of(const MemberPair& pair, const Snapshot& state, bool with_certificate) {
   const auto info_of = [&](ObjectId id) -> const ObjectInfo& { return *state.objects[slot_of(id)]; };
   const ObjectClearance& found = pair.clearance;
   ClearancePair row{.a = info_of(pair.a).name,
@@ -127,7 +127,7 @@ json MeasuringCommands::measured(const AskedGroups& asked) const {
                          .filtered = found.filtered,
                          .tested = found.tested,
                          .version = state.version};
-  for (const MemberPair& pair : found.pairs) answer.pairs.push_back(told(pair, state, asked.options.certificates));
+  for (const MemberPair& pair : found.pairs) answer.pairs.push_back(answer_of(pair, state, asked.options.certificates));
   return json_of(answer);
 }
 

@@ -57,7 +57,7 @@ void CommandAnswers::answer_once_kept(const CommandAsk& ask, const std::function
   with_.durable != nullptr ? with_.durable->then(tell) : tell(kNoFolder);
 }
 
-/// What is carried out again after a crash a follower fetches with all that is kept. Fences are told where they are made,
+/// What is carried out again after a crash a follower fetches with all that is kept. Fences are passed on where they are made,
 /// since only those that are kept stand for themselves.
 void CommandAnswers::tell_followers(const CommandAsk& ask) const {
   if (!with_.changed || ask.client == 0) return;

@@ -30,7 +30,7 @@ struct CommandCollaborators {
   FlightRecorder* flight;  // for `recording`; null: there is none
   PartMeshes& part_meshes;
   QuestionSamples& samples;
-  std::int64_t clock_error_ns = 0;      // by which publishers' clocks may differ, as the world was told
+  std::int64_t clock_error_ns = 0;      // by which publishers' clocks may differ; the world has it too
   const ShardPlace* shard = nullptr;    // null: it holds all of the world
   std::int64_t replaced_within_ns = 0;  // of a shard: so long its place may be empty between it and a standby
   // Called on the world's thread with each command that has changed the world, for servers that follow; empty: there

@@ -135,7 +135,7 @@ std::shared_ptr<MeasuringCommands::AwaitedJob> MeasuringCommands::await(CommandA
   return job;
 }
 
-/// Whether somebody waits for what the job is about to do. While the server stops each is told so.
+/// Whether somebody waits for what the job is about to do. While the server stops, each gets that answer.
 bool MeasuringCommands::is_wanted(const AwaitedJob& job) const {
   return threads_.are_stopping() || !job.called_off.load();
 }

@@ -18,7 +18,7 @@ using nlohmann::json;
 
 namespace {
 
-void tell_contact(const PairReport& report, PairAnswer& answer) {
+void fill_contact(const PairReport& report, PairAnswer& answer) {
   answer.depth_m = report.contact.depth_m;
   answer.error_m = report.contact.depth_error_m;
   answer.normal = report.contact.normal;
@@ -33,7 +33,7 @@ void tell_contact(const PairReport& report, PairAnswer& answer) {
                                .b_triangle = p.b_triangle});
 }
 
-void tell_gap(const PairReport& report, PairAnswer& answer) {
+void fill_gap(const PairReport& report, PairAnswer& answer) {
   answer.distance_m = report.separation.distance_m;
   answer.error_m = report.separation.error_m;
   answer.normal = report.separation.normal;
@@ -55,8 +55,8 @@ UndecidedReason reason_of(const PairReport& report) {
 
 PairAnswer answer_of(const PairReport& report, const PairAsk& ask) {
   PairAnswer answer{.verdict = verdict_of(report.touches), .reason = reason_of(report), .stale = report.is_stale};
-  if (report.touches == Decision::yes) tell_contact(report, answer);
-  if (report.touches == Decision::no) tell_gap(report, answer);
+  if (report.touches == Decision::yes) fill_contact(report, answer);
+  if (report.touches == Decision::no) fill_gap(report, answer);
   answer.triangle_pair_count = report.crossing_count;
   answer.cut = report.crossing_count > report.crossings.size();
   for (const TriangleCrossing& c : report.crossings)
