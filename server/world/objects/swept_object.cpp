@@ -1,6 +1,7 @@
 #include "server/world/objects/swept_object.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <optional>
 #include <type_traits>
 #include <utility>
@@ -22,6 +23,10 @@ namespace {
 /// are allowed.
 constexpr std::size_t kPairsAPiece = 8;
 constexpr std::size_t kMeshPairsAPiece = 24;
+/// Of up to so many times more pairs it is also not cut where cutting the one before it has left most of them: a long
+/// part's box holds much of a mesh that is nowhere near.
+constexpr std::size_t kManyPairs = 8;
+constexpr std::size_t kUnknownCount = std::numeric_limits<std::size_t>::max();
 /// A piece is not cut either when nothing moves farther in it than this share of the smaller body: cutting separates
 /// nothing more.
 constexpr double kShortPiece = 0x1p-6;
@@ -75,7 +80,8 @@ class SweptSearch {
 
  private:
   template <class Near>
-  void look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near, const auto& meet);
+  void look(const TimeSpan& span, std::size_t few, std::size_t before, double motion_m, double size_m, const Near& near,
+            const auto& meet);
   void meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotion& b, std::uint32_t b_triangle,
             TimeSpan span);
   /// The part of the span in which a contact would come before the one known; empty: there is none to look for.
@@ -140,18 +146,22 @@ void SweptSearch::meet(const PartMotion& a, std::uint32_t a_triangle, const Part
 
 /// Tests the pieces of the motion in order of time. near(span, most, found) lists the pairs that may meet in a piece
 /// and returns whether it listed them all; motion_m is how far the parts move in all.
+///
+/// before  how many pairs may meet in the piece that this one was cut from
 template <class Near>
-void SweptSearch::look(const TimeSpan& span, std::size_t few, double motion_m, double size_m, const Near& near,
-                       const auto& meet_pair) {
+void SweptSearch::look(const TimeSpan& span, std::size_t few, std::size_t before, double motion_m, double size_m,
+                       const Near& near, const auto& meet_pair) {
   if (is_exhausted() || (is_one && is_settled(kNoTriangle, span))) return;
   std::vector<PartPair> found;
   const double length = span.high - span.low;
   const bool is_short = motion_m * length <= kShortPiece * size_m || length < kShortestPiece;
-  const bool is_all = near(span, is_short ? options_.most_looks : few, found);
-  if (!is_all && !is_short) {
+  const bool is_all = near(span, is_short ? options_.most_looks : kManyPairs * few, found);
+  const bool is_few = is_all && (found.size() <= few || found.size() > before / 4 * 3);
+  if (!is_few && !is_short) {
     const double middle = span.low + length / 2;
-    look({span.low, middle}, few, motion_m, size_m, near, meet_pair);
-    look({middle, span.high}, few, motion_m, size_m, near, meet_pair);
+    const std::size_t here = is_all ? found.size() : kUnknownCount;
+    look({span.low, middle}, few, here, motion_m, size_m, near, meet_pair);
+    look({middle, span.high}, few, here, motion_m, size_m, near, meet_pair);
     return;
   }
   // Too many pairs even for the shortest piece: the search counts as exhausted.
@@ -248,7 +258,7 @@ void SweptSearch::primitive_and_mesh(const PartMotion& primitive, const SweptBod
     if (primitive_is_a) meet(primitive, kNoTriangle, triangle, pair.b, span);
     else meet(triangle, pair.b, primitive, kNoTriangle, span);
   };
-  look(options_.span, kPairsAPiece, motion_m, size_of(own), near, meet_pair);
+  look(options_.span, kPairsAPiece, kUnknownCount, motion_m, size_of(own), near, meet_pair);
 }
 
 void SweptSearch::meshes() {
@@ -285,7 +295,7 @@ void SweptSearch::meshes() {
     if (kernel::surely_apart(a, b)) return;
     meet(triangle_of(a_, pair.a), pair.a, triangle_of(b_, pair.b), pair.b, span);
   };
-  look(options_.span, kMeshPairsAPiece, motion_m, smaller_m, near, meet_pair);
+  look(options_.span, kMeshPairsAPiece, kUnknownCount, motion_m, smaller_m, near, meet_pair);
 }
 
 /// A half-space never moves, so it has a test of its own. A mesh that may come near one stays undecided.

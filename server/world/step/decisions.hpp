@@ -211,6 +211,7 @@ class Decisions {
   PieceBracket in_seconds(const PairPiece& piece, const TimeBracket& bracket, const Contact& at) const;
   PieceBracket in_seconds(const PairPiece& piece, const BracketNs& found) const;
   PieceBracket parted_in(const PairPiece& piece, const ContactInterval& interval) const;
+  void doubt_after(const PairPiece& piece);
   void end_interval(const PairPiece& piece, std::size_t number);
   std::int64_t clock_error_ns(std::uint32_t a, std::uint32_t b) const;
   bool may_begin();

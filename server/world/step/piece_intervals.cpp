@@ -107,6 +107,7 @@ void Decisions::report_intervals(const PairPiece& piece, const ContactSearch& to
     }
     if (intervals[i].end && ledger_.holds(a, b)) end_interval(piece, i);
   }
+  if (lists_.times.is_last_in_doubt() && !intervals.back().begin) doubt_after(piece);
   const OpenContact* open = ledger_.find(a, b);
   if (open == nullptr || !was_held || is_new || !touch.yes) return;
   FoundContact found = found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1);
@@ -150,6 +151,19 @@ bool Decisions::begin_interval(const PairPiece& piece, std::size_t number, const
     ledger_.decided_apart(found.a, found.b, parted.low_s, parted.high_s);
   }
   return true;
+}
+
+/// A contact that held before has ended in the piece, and within its bracket the two may have met again.
+void Decisions::doubt_after(const PairPiece& piece) {
+  const PieceBracket last = in_seconds(piece, *lists_.times.intervals.back().end, {});
+  ledger_.doubted_and_parted({.a = rows_.info(piece.a)->id,
+                              .b = rows_.info(piece.b)->id,
+                              .contact = {},
+                              .bracket_low_s = last.low_s,
+                              .bracket_high_s = last.high_s,
+                              .parted_low_s = last.low_s,
+                              .parted_high_s = last.high_s},
+                             Doubt::cost_limit);
 }
 
 /// When the surfaces part at the end of an interval: no earlier than they met.

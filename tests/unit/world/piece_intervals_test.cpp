@@ -9,6 +9,7 @@
 
 #include "tests/oracle/sampled_contacts.hpp"
 #include "tests/oracle/seed.hpp"
+#include "tests/scenes/meshes.hpp"
 #include "tests/unit/world/posed_ways.hpp"
 
 namespace collided::engine {
@@ -219,6 +220,31 @@ std::vector<oracle::Figure> figures_of(const Shape& shape, const Vec3& at) {
     figures.push_back(oracle::figure(shape.mesh->triangle(i)));
   for (oracle::Figure& figure : figures) figure = oracle::shifted(figure, oracle::exact(at));
   return figures;
+}
+
+// A ball of 5,120 triangles that turns in a hollow one hardly larger than itself: it goes from the wall to the middle, and
+// all its triangles are near others until the end.
+TEST(PieceIntervalsLimit, AContactWhoseEndIsNotFoundEndsAndIsInDoubtAfterwards) {
+  const auto sphere = [](double radius_m) {
+    Shape shape;
+    shape.mesh = std::make_shared<const TriangleMesh>(scenes::icosphere(4, radius_m));
+    return shape;
+  };
+  const PairEvents story =
+      story_of({{.name = "hollow", .shape = sphere(1.02), .publisher = 0, .poses = {{0, {}}}, .is_moving = false},
+                {.name = "ball",
+                 .shape = sphere(1),
+                 .publisher = 1,
+                 .poses = {{0, turned(0, {0.03, 0, 0})}, {kSecond, turned(0.1, {0.01, 0, 0})}}}});
+  ASSERT_EQ(story.size(), 1u);
+  const std::vector<PairEvent>& events = story.begin()->second;
+  ASSERT_EQ(events.size(), 4u);
+  EXPECT_EQ(events[1].kind, EventKind::ended);
+  EXPECT_EQ(events[1].doubt, Doubt::none);
+  EXPECT_EQ(events[2].kind, EventKind::began);
+  EXPECT_EQ(events[2].doubt, Doubt::cost_limit);
+  EXPECT_EQ(events[3].kind, EventKind::ended);
+  EXPECT_EQ(events[3].doubt, Doubt::cost_limit);
 }
 
 // One piece, sampled densely in rationals: no sample is on the wrong side of a bracket.
