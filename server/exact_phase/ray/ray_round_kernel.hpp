@@ -1,6 +1,7 @@
 #pragma once
 
 #include <algorithm>
+#include <type_traits>
 
 #include "server/exact_phase/kernels/overlap_kernel.hpp"
 #include "server/exact_phase/ray/ray_hit_value.hpp"
@@ -25,6 +26,20 @@ Quadratic<N> ball_along(const Ray& ray, const Vec3& center, double radius_m) {
   const N dd = square(d);
   return {dd, dot(m, d), square(m) - r2, r2 * dd - square(cross(m, d))};
 }
+
+/// The ray along a ball, with the first rung's numbers kept: the test and both distances use them.
+struct BallAlong {
+  const Ray& ray;
+  const Vec3& center;
+  double radius_m;
+  Quadratic<Bounded> quick = ball_along<Bounded>(ray, center, radius_m);
+
+  template <class N>
+  decltype(auto) quadratic() const {
+    if constexpr (std::is_same_v<N, Bounded>) return (quick);
+    else return ball_along<N>(ray, center, radius_m);
+  }
+};
 
 template <class N>
 Quadratic<N> cylinder_along(const Ray& ray, const Capsule& capsule) {
@@ -82,15 +97,18 @@ Scaled exit(const Quadratic<N>& q) {
 }
 
 template <class Climb>
-Bounded entry_distance(const Ray& ray, const Vec3& center, double radius_m) {
-  return Climb::sharpened(
-      [&]<class N>() { return plain(entry(ball_along<N>(ray, center, radius_m)) * length_of<N>(ray)); });
+ExactResult enters(const BallAlong& ball) {
+  return Climb::climb([&]<class N>() { return enters(ball.quadratic<N>(), ball.ray); });
 }
 
 template <class Climb>
-Bounded exit_distance(const Ray& ray, const Vec3& center, double radius_m) {
-  return Climb::sharpened(
-      [&]<class N>() { return plain(exit(ball_along<N>(ray, center, radius_m)) * length_of<N>(ray)); });
+Bounded entry_distance(const BallAlong& ball) {
+  return Climb::sharpened([&]<class N>() { return plain(entry(ball.quadratic<N>()) * length_of<N>(ball.ray)); });
+}
+
+template <class Climb>
+Bounded exit_distance(const BallAlong& ball) {
+  return Climb::sharpened([&]<class N>() { return plain(exit(ball.quadratic<N>()) * length_of<N>(ball.ray)); });
 }
 
 template <class Climb, class Shape>
@@ -101,16 +119,13 @@ ExactResult starts_inside_by(const Ray& ray, const Shape& shape) {
 template <class Climb>
 ExactResult cast_solid(const Ray& ray, const Sphere& sphere, RayHit& hit) {
   const ExactResult inside = starts_inside_by<Climb>(ray, sphere);
+  const BallAlong ball{.ray = ray, .center = sphere.center, .radius_m = sphere.radius_m};
   ExactResult verdict = inside;
-  if (inside.decision != Decision::yes) {
-    verdict = joined(inside, Climb::climb([&]<class N>() {
-                       return enters(ball_along<N>(ray, sphere.center, sphere.radius_m), ray);
-                     }));
-  }
+  if (inside.decision != Decision::yes) verdict = joined(inside, enters<Climb>(ball));
   if (!verdict.yes()) return verdict;
   const bool starts_inside = inside.yes();
-  const Bounded first = starts_inside ? Bounded() : entry_distance<Climb>(ray, sphere.center, sphere.radius_m);
-  const Bounded leave = exit_distance<Climb>(ray, sphere.center, sphere.radius_m);
+  const Bounded first = starts_inside ? Bounded() : entry_distance<Climb>(ball);
+  const Bounded leave = exit_distance<Climb>(ball);
   set_interval(ray, starts_inside, first, leave, hit);
   const Vec3 surface = starts_inside ? at_distance(ray, hit.exit_m) : hit.point;
   set_normal(ray, sphere.radius_m > 0 ? Vec3(surface - sphere.center) : Vec3(Vec3::Zero()), hit);
@@ -185,8 +200,9 @@ template <class Climb>
 Bounded capsule_exit(const Ray& ray, const Capsule& capsule) {
   Bounded last = Climb::sharpened([&]<class N>() { return wall_exit<N>(ray, capsule); });
   for (const Vec3& end : {capsule.a, capsule.b}) {
+    const BallAlong ball{.ray = ray, .center = end, .radius_m = capsule.radius_m};
     const Bounded leave = Climb::sharpened([&]<class N>() {
-      const Quadratic<N> q = ball_along<N>(ray, end, capsule.radius_m);
+      const Quadratic<N>& q = ball.quadratic<N>();
       const bool behind = sign(q.b) != Sign::negative && sign(q.c) == Sign::positive;
       return behind || sign(q.discriminant) == Sign::negative ? Bounded() : plain(exit(q) * length_of<N>(ray));
     });
@@ -206,8 +222,8 @@ ExactResult cast_solid(const Ray& ray, const Capsule& capsule, RayHit& hit) {
   };
   if (inside.decision == Decision::no) {
     for (const Vec3& end : {capsule.a, capsule.b}) {
-      consider(Climb::climb([&]<class N>() { return enters(ball_along<N>(ray, end, capsule.radius_m), ray); }),
-               [&] { return entry_distance<Climb>(ray, end, capsule.radius_m); });
+      const BallAlong ball{.ray = ray, .center = end, .radius_m = capsule.radius_m};
+      consider(enters<Climb>(ball), [&] { return entry_distance<Climb>(ball); });
     }
     consider(Climb::climb([&]<class N>() { return enters_wall<N>(ray, capsule); }), [&] {
       return Climb::sharpened(
