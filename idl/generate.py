@@ -1,10 +1,17 @@
 #!/usr/bin/env python3
-"""Writes what collided.idl declares as C++.  generate.py IDL CODES_HPP MESSAGES_HPP
+"""Writes what the IDL files declare into every language.  generate.py BUILD_FOLDER IDL...
 
-CODES_HPP, of the public library: enumerations as enum classes of one octet, each with a name_of(), the word that answers use
-for a code; and the constants. In the IDL all enumerators of an enumeration begin with one word of their own, since IDL puts
-them into the module's scope; in C++ that word is dropped.
-MESSAGES_HPP: the members of each message in their order, and its sequences as vectors."""
+include/collided/codes.hpp           C++: an enumeration is an enum class of one octet, with the count of its codes and a
+                                     name_of(), the word that answers use for a code
+include/collided/codes.h             C: the codes and constants of the C interface
+idl/messages.hpp                     C++: the members of each message in their order, and its sequences as vectors
+client/python/collided/_contract.py  Python: an enumeration is a tuple of its words
+client/view/contract.js              the page: the same as an array, and the members of the messages in recordings
+
+In the IDL all enumerators of an enumeration begin with one word of their own, since IDL puts them into the module's scope; in
+other languages than C that word is dropped."""
+import collections
+import json
 import pathlib
 import re
 import sys
@@ -13,8 +20,18 @@ import textwrap
 WIDTH = 120
 # Where the word of answers is not that of the code.
 SPOKEN = {"none": "", "what_if": "what-if"}
-NUMBERS = {"octet": "std::uint8_t", "boolean": "bool", "double": "double", "long long": "std::int64_t",
-           "unsigned long": "std::uint32_t", "unsigned long long": "std::uint64_t"}
+CPP = {"octet": "std::uint8_t", "boolean": "bool", "double": "double", "long long": "std::int64_t",
+       "unsigned long": "std::uint32_t", "unsigned long long": "std::uint64_t"}
+JS = {"octet": "u8", "boolean": "u8", "double": "f64", "long long": "i64", "unsigned long": "u32", "unsigned long long": "u64"}
+SUFFIXES = {"unsigned long": "U", "unsigned long long": "U"}
+# What the C interface has. Of the first four the enumerators' own word is dropped in C, too.
+SHORT_IN_C = ("HitMode", "Importance", "InstantKind", "Verdict")
+IN_C = (*SHORT_IN_C, "UndecidedReason", "EndReason", "Doubt", "LostPolicy", "ContactEventKind", "FenceEventKind",
+        "MarginEventKind", "NearestEventKind", "Containment", "UnknownCells")
+CONSTANTS_IN_C = ("NO_TRIANGLE", "TELLS_ENTER", "TELLS_EXIT", "TELLS_CROSS")
+
+Enumeration = collections.namedtuple("Enumeration", "name comment prefix words")
+Constant = collections.namedtuple("Constant", "name comment kind value")
 
 
 def wrapped(text, first, rest):
@@ -26,45 +43,68 @@ def spoken(comment):
     return " ".join(line.strip().removeprefix("//").strip() for line in comment.splitlines())
 
 
-# ---- codes ------------------------------------------------------------------------------------------------------------
+def snake(name):
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+
+
+def camel(name):
+    return "k" + "".join(word.capitalize() for word in name.lower().split("_"))
+
+
+def answered(words):
+    """The words as answers have them."""
+    return [SPOKEN.get(word, word) for word in words]
+
+
+# ---- what is declared -------------------------------------------------------------------------------------------------
 
 
 def enumerations(idl):
-    """name, comment, words; in the order of the file."""
     for found in re.finditer(r"((?:^ *//[^\n]*\n)*)^ *enum (\w+) \{([^}]*)\};", idl, re.MULTILINE):
-        words = [enumerator.split("_", 1)[1].lower() for enumerator in re.findall(r"\w+", found[3])]
-        comment = spoken(found[1])
-        for word in words:
-            comment = re.sub(rf"\b{word.upper()}\b", word, comment)
-        yield found[2], comment, words
+        prefixes, words = zip(*(word.split("_", 1) for word in re.findall(r"\w+", found[3])))
+        yield Enumeration(found[2], spoken(found[1]), prefixes[0] + "_", [word.lower() for word in words])
 
 
-def enumeration_as_cpp(name, comment, words):
-    values = ", ".join(words)
-    quoted = ", ".join(f'"{SPOKEN.get(word, word)}"' for word in words)
+def constants(idl):
+    for found in re.finditer(r"((?:^ *//[^\n]*\n)*)^ *const ([\w ]+) (\w+) = (\d+);", idl, re.MULTILINE):
+        yield Constant(found[3], spoken(found[1]), found[2], int(found[4]))
+
+
+def messages(idl):
+    """name, [(type, name, numbers of an array, comment)]; in the order of the file."""
+    for found in re.finditer(r"^  @final struct (\w+) \{\n(.*?)^  \};", idl, re.MULTILINE | re.DOTALL):
+        yield found[1], re.findall(r"^ *(?:@key )?([\w <>]+?) (\w+)(?:\[(\d+)\])?; *(?://(.*))?$", found[2], re.MULTILINE)
+
+
+# ---- codes ------------------------------------------------------------------------------------------------------------
+
+
+def enumeration_as_cpp(code):
+    comment = code.comment
+    for word in code.words:
+        comment = re.sub(rf"\b{word.upper()}\b", word, comment)
+    quoted = ", ".join(f'"{word}"' for word in answered(code.words))
     lines = [wrapped(comment, "/// ", "/// ")] if comment else []
-    lines += [wrapped(f"enum class {name} : std::uint8_t {{ {values} }};", "", "    "),
-              f"constexpr std::string_view name_of({name} code) {{",
+    lines += [wrapped(f"enum class {code.name} : std::uint8_t {{ {', '.join(code.words)} }};", "", "    "),
+              f"template <>\ninline constexpr std::uint8_t kCodeCount<{code.name}> = {len(code.words)};",
+              f"constexpr std::string_view name_of({code.name} code) {{",
               wrapped(f"constexpr std::string_view kNames[] = {{{quoted}}};", "  ", "      "),
-              f"  return static_cast<std::uint8_t>(code) < {len(words)} ? kNames[static_cast<std::uint8_t>(code)] : \"\";",
+              f"  return is_known<{code.name}>(static_cast<std::uint8_t>(code)) ? kNames[static_cast<std::uint8_t>(code)] : \"\";",
               "}"]
     return "\n".join(lines)
 
 
-def constants_as_cpp(idl):
-    for found in re.finditer(r"((?:^ *//[^\n]*\n)*)^ *const ([\w ]+) (\w+) = (\d+);", idl, re.MULTILINE):
-        if found[1]:
-            yield wrapped(spoken(found[1]), "/// ", "/// ")
-        name = "k" + "".join(word.capitalize() for word in found[3].lower().split("_"))
-        yield f"inline constexpr {NUMBERS[found[2]]} {name} = {found[4]};"
+def constant_as_cpp(constant):
+    comment = wrapped(constant.comment, "/// ", "/// ") + "\n" if constant.comment else ""
+    value = f"{constant.value}{SUFFIXES.get(constant.kind, '')}"
+    return f"{comment}inline constexpr {CPP[constant.kind]} {camel(constant.name)} = {value};"
 
 
 def codes_header(idl):
-    parts = [enumeration_as_cpp(*each) for each in enumerations(idl)] + list(constants_as_cpp(idl))
-    if not parts:
+    body = "\n".join([*map(enumeration_as_cpp, enumerations(idl)), *map(constant_as_cpp, constants(idl))])
+    if not body:
         raise ValueError("no enumerations")
-    body = "\n".join(parts)
-    return f"""// Generated from collided.idl by generate.py.
+    return f"""// Generated from IDL by generate.py.
 #pragma once
 
 #include <cstdint>
@@ -73,20 +113,74 @@ def codes_header(idl):
 /// Codes of answers, events and messages. The enumerators are numbered from 0, as they are sent.
 namespace collided::codes {{
 
+/// How many codes an enumeration has. One that is not less is of a newer version.
+template <class Code>
+inline constexpr std::uint8_t kCodeCount = 0;
+template <class Code>
+constexpr bool is_known(std::uint8_t code) {{
+  return code < kCodeCount<Code>;
+}}
+
 {body}
 
 }}  // namespace collided::codes
 """
 
 
+def enumeration_as_c(code):
+    prefix = "" if code.name in SHORT_IN_C else code.prefix
+    # A line is not broken before the number.
+    names = ", ".join(f"COLLIDED_{prefix}{word.upper()}\xa0=\xa0{number}" for number, word in enumerate(code.words))
+    lines = [wrapped(f"/* {code.comment} */", "", " * ")] if code.comment else []
+    lines += [f"typedef int32_t collided_{snake(code.name)};", wrapped(f"enum {{ {names} }};", "", "  ")]
+    return "\n".join(lines).replace("\xa0", " ")
+
+
+def constant_as_c(constant):
+    comment = wrapped(f"/* {constant.comment} */", "", " * ") + "\n" if constant.comment else ""
+    return f"{comment}#define COLLIDED_{constant.name} {constant.value}u"
+
+
+def c_header(idl):
+    codes = [code for code in enumerations(idl) if code.name in IN_C]
+    numbers = [constant for constant in constants(idl) if constant.name in CONSTANTS_IN_C]
+    body = "\n".join([*map(enumeration_as_c, codes), *map(constant_as_c, numbers)])
+    return f"""/* Generated from IDL by generate.py. Codes of answers and events; those of a newer server or library may be greater. */
+#ifndef COLLIDED_CODES_H
+#define COLLIDED_CODES_H
+
+#include <stdint.h>
+
+{body}
+
+#endif
+"""
+
+
+def python_module(idl):
+    words = [f"{snake(code.name).upper()} = {tuple(answered(code.words))!r}" for code in enumerations(idl)]
+    numbers = [f"{constant.name} = {constant.value}" for constant in constants(idl)]
+    return "\n".join(['"""Generated from IDL by generate.py: the words of codes, by their numbers, and constants."""', "",
+                      *words, *numbers, ""])
+
+
+def page_script(idl):
+    words = [f"const k{code.name} = {json.dumps(answered(code.words))};" for code in enumerations(idl)]
+    numbers = [f"const {camel(constant.name)} = {constant.value};" for constant in constants(idl)]
+    samples = [f"  {name}: \"{', '.join(map(member_as_js, members))}\"," for name, members in messages(idl)]
+    return "\n".join(["// Generated from IDL by generate.py: the words of codes, by their numbers; constants; and the members of messages.",
+                      *words, *numbers, "const kSamples = {", *samples, "};", ""])
+
+
+def member_as_js(member):
+    kind, name, count, _ = member
+    if kind.startswith("string<"):
+        return f"{name} text"
+    sequence = re.fullmatch(r"sequence<([\w ]+)>", kind)
+    return f"{name} {JS[sequence[1]]}*" if sequence else f"{name} {JS[kind]}{f'[{count}]' if count else ''}"
+
+
 # ---- messages ---------------------------------------------------------------------------------------------------------
-
-
-def messages(idl):
-    """name, [(type, name, comment)]; in the order of the file."""
-    for found in re.finditer(r"^  @final struct (\w+) \{\n(.*?)^  \};", idl, re.MULTILINE | re.DOTALL):
-        members = re.findall(r"^ *(?:@key )?([\w <>]+?) (\w+)(?:\[\d+\])?; *(?://(.*))?$", found[2], re.MULTILINE)
-        yield found[1], members
 
 
 def width_of(comment):
@@ -100,10 +194,10 @@ def width_of(comment):
 def message_as_cpp(name, members):
     fields = " ".join(f"field(s.{member[1]});" for member in members)
     columns = [(re.fullmatch(r"sequence<([\w ]+)>", kind)[1], member, width_of(comment))
-               for kind, member, comment in members if kind.startswith("sequence<")]
+               for kind, member, _, comment in members if kind.startswith("sequence<")]
     lines = [f"template <SampleOf<{name}> S, class Field>", "void for_each_field(S& s, Field&& field) {",
              wrapped(fields, "  ", "  "), "}", f"struct {name}Columns {{", f"  using Message = {name};"]
-    lines += [f"  std::vector<{NUMBERS[kind]}> {member};" for kind, member, _ in columns]
+    lines += [f"  std::vector<{CPP[kind]}> {member};" for kind, member, _ in columns]
     lines += ["  template <class Visit>", "  static constexpr void for_each(const Visit& visit) {"]
     lines += [f"    visit(&{name}::{member}, &{name}Columns::{member}, {width}U);" for _, member, width in columns]
     lines += ["  }", "};"]
@@ -139,6 +233,11 @@ concept SampleOf = std::same_as<std::remove_const_t<Sample>, Wire>;
 """
 
 
+OUTPUTS = {"include/collided/codes.hpp": codes_header, "include/collided/codes.h": c_header,
+           "idl/messages.hpp": messages_header, "client/python/collided/_contract.py": python_module,
+           "client/view/contract.js": page_script}
+
+
 def write(path, text):
     # Unchanged, it keeps its time, and nothing is compiled again.
     output = pathlib.Path(path)
@@ -147,13 +246,13 @@ def write(path, text):
         output.write_text(text, encoding="utf-8")
 
 
-def main(idl_path, codes_path, messages_path):
-    idl = pathlib.Path(idl_path).read_text(encoding="utf-8")
+def main(build, *idl_paths):
+    idl = "\n".join(pathlib.Path(path).read_text(encoding="utf-8") for path in idl_paths)
     try:
-        write(codes_path, codes_header(idl))
-        write(messages_path, messages_header(idl))
+        for path, text_of in OUTPUTS.items():
+            write(pathlib.Path(build) / path, text_of(idl))
     except (ValueError, KeyError) as unfit:
-        sys.exit(f"{idl_path}: {unfit}")
+        sys.exit(f"{' '.join(map(str, idl_paths))}: {unfit}")
 
 
 if __name__ == "__main__":

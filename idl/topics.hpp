@@ -21,6 +21,9 @@ using codes::EventKind;
 using codes::HitMode;
 using codes::Importance;
 using codes::InstantKind;
+using codes::is_known;
+using codes::kCodeCount;
+using codes::kDefaultGapNs;
 using codes::kDoubtPosesMerged;
 using codes::kHitByWinding;
 using codes::kHitInside;
@@ -49,8 +52,6 @@ using codes::Verdict;
 /// The last DDS domain. RTPS ports are 7400 + 250 * domain + ...: those of a later domain do not fit into 16 bits.
 inline constexpr int kLastDomain = 230;
 
-/// The last one of the kinds.
-inline constexpr QuestionKind kLastKind = QuestionKind::what_if;
 /// Numbers of a velocity and a hit.
 inline constexpr std::uint32_t kVelocityNumbers = 6;
 inline constexpr std::uint32_t kHitNumbers = 13;
@@ -128,11 +129,7 @@ inline const char* name_of(QueryRight right) {
 /// A publisher that is silent for this long, where it offers no other lease, is lost (liveliness, MANUAL_BY_TOPIC on object
 /// and pose).
 inline constexpr std::int64_t kPublisherLeaseNs = 500'000'000;
-/// A publisher's gap, where it gives no other: between two poses that are no farther apart an object goes straight; beyond,
-/// it rested until one gap before the later pose. A source that speaks once a second may be half a second late; an object
-/// that rests and then dashes seems to leave too early by a gap at most.
-inline constexpr std::int64_t kDefaultGapNs = 1'500'000'000;
-/// The gaps that are allowed. No pair waits for a publisher that is 10 s behind.
+/// The gaps that are allowed (kDefaultGapNs: unless set). No pair waits for a publisher that is 10 s behind.
 inline constexpr std::int64_t kLeastGapNs = 1'000'000;
 inline constexpr std::int64_t kMostGapNs = 8'000'000'000;
 /// From one status to the next.

@@ -1,6 +1,7 @@
 #ifndef COLLIDED_H
 #define COLLIDED_H
 
+#include <collided/codes.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -104,21 +105,11 @@ COLLIDED_API int collided_get_status(collided_client* client, collided_status* s
 
 /* ---- Questions ---- */
 
-enum {
-  COLLIDED_CLOSEST = 0,
-  COLLIDED_ANY = 1,
-  COLLIDED_ALL = 2,
-  COLLIDED_VERDICT = 4
-};                                                                                      /* mode, as collided::HitMode */
-enum { COLLIDED_NORMAL = 0, COLLIDED_LOW = 1, COLLIDED_HIGH = 2 };                      /* importance */
-enum { COLLIDED_LATEST = 0, COLLIDED_SETTLED = 1, COLLIDED_AT = 2, COLLIDED_BACK = 3 }; /* instant */
-enum { COLLIDED_MISS = 0, COLLIDED_HIT = 1, COLLIDED_UNDECIDED = 2, COLLIDED_INVALID = 3 }; /* verdict */
-
 /* Zero: the default of collided::AskOptions, but for `mask`, where 0 lets nothing answer: begin with
  * collided_ask_defaults. */
 typedef struct collided_ask_options {
   uint32_t size;
-  int32_t mode;
+  collided_hit_mode mode;
   uint32_t mask;
   uint32_t max_hits;
   const char* only;
@@ -127,8 +118,8 @@ typedef struct collided_ask_options {
   int64_t deadline_ns;
   int64_t timeout_ns;
   int32_t fresh;
-  int32_t importance;
-  int32_t instant;
+  collided_importance importance;
+  collided_instant_kind instant;
   int64_t instant_ns;
 } collided_ask_options;
 COLLIDED_API void collided_ask_defaults(collided_ask_options* options, uint32_t size);
@@ -178,12 +169,11 @@ COLLIDED_API void collided_get_info(const collided_answers* answers, collided_an
 typedef struct collided_columns {
   uint32_t size;
   int32_t first_hits;
-  uint8_t* verdict;
-  uint8_t*
-      reason; /* of undecided answers, as collided::UndecidedReason: numeric 1, stale_object 2, recovering 3, ... */
+  uint8_t* verdict; /* collided_verdict */
+  uint8_t* reason;  /* collided_undecided_reason */
   uint32_t* hit_count;
   uint64_t* object_id;
-  uint32_t* triangle; /* 0xffffffff: none */
+  uint32_t* triangle; /* or COLLIDED_NO_TRIANGLE */
   double* distance_m;
   double* error_m;
   double* exit_m;
@@ -198,8 +188,8 @@ typedef struct collided_columns {
   /* 1: the mesh does not close and its winding number says inside: distance_m is how far its surface is (nearest: with a
    * minus), and no depth, since a way out may lead through a hole. 0: distance_m is a depth */
   uint8_t* by_winding;
-  /* An entry for each question, with reason 6 (not_covered): the point where it leaves the space in which the geometry is
-   * complete, three numbers, and the distance that is covered. Else NaN. Clearances have the point alone. */
+  /* An entry for each question, with reason COLLIDED_UNDECIDED_NOT_COVERED: the point where it leaves the space in which
+   * the geometry is complete, three numbers, and the distance that is covered. Else NaN. Clearances have the point alone. */
   double* uncovered;
   double* covered_m;
 } collided_columns;
@@ -211,10 +201,10 @@ COLLIDED_API const char* collided_hit_object(const collided_answers* answers, si
 /* How two objects stand to each other; see collided::PairAnswer. */
 typedef struct collided_pair_answer {
   uint32_t size;
-  int32_t verdict;
-  int32_t reason;
+  collided_verdict verdict;
+  collided_undecided_reason reason;
   int32_t stale;
-  int32_t contained; /* 0: no; 1: a lies within b; 2: b within a */
+  collided_containment contained;
   uint32_t a_triangle;
   uint32_t b_triangle;
   uint64_t version;
@@ -233,8 +223,8 @@ COLLIDED_API int collided_pair(collided_client* client, const char* a, const cha
 /* The nearest pairs of two groups of objects; see collided::Client::clearance. A group is an object, a scene or a glob.
  * The answer is one question's; each pair is two hits that follow each other, that of the first group first: both have
  * the clearance as distance_m (negative where the two touch) and the normal from the first to the second, and each its
- * nearest point; `inside` is set of one that lies within the other, a solid. Reason 4 (truncated) without being
- * undecided: there are more pairs.
+ * nearest point; `inside` is set of one that lies within the other, a solid. Reason COLLIDED_UNDECIDED_TRUNCATED
+ * without being undecided: there are more pairs.
  * to        the other group; null or "": everything that the first has not
  * most      pairs told, 1 to 10,000
  * nearer_m  pairs surely farther apart are not told; HUGE_VAL: all are
@@ -290,7 +280,7 @@ typedef struct collided_object {
   uint32_t mask;
   uint32_t group;
   int32_t moving;
-  int32_t lost_policy; /* 0 remove, 1 freeze, 2 hold */
+  collided_lost_policy lost_policy;
   const char* name;
   const collided_part* parts;
   size_t part_count;
@@ -334,9 +324,9 @@ COLLIDED_API void collided_free_text(char* text);
  * returns. */
 typedef struct collided_event {
   uint32_t size;
-  int32_t kind;   /* 0 open, 1 began, 2 persisted, 3 ended, 4 contained, 5 emerged */
-  int32_t reason; /* as collided::EndReason */
-  int32_t doubt;  /* as collided::Doubt */
+  collided_contact_event_kind kind;
+  collided_end_reason reason;
+  collided_doubt doubt;
   int32_t resync;
   uint32_t a_triangle;
   uint32_t b_triangle;
@@ -357,7 +347,7 @@ typedef struct collided_event {
   double depth_error_m;
   double relative_velocity[3];
   double velocity_error;
-  int32_t contained; /* 0: no; 1: a lies within b, a solid; 2: b within a */
+  collided_containment contained;
   /* Normal and depth with neighbouring bodies counted as one surface, as at the inner edges of a tiled floor; elsewhere
    * equal to those above. */
   double surface_normal[3];
@@ -408,7 +398,7 @@ typedef struct collided_fence {
   const char* only;
   const char* skip;
   int32_t keep;
-  int32_t tells; /* bits 1 enter, 2 exit, 4 cross; 0: all */
+  int32_t tells; /* COLLIDED_TELLS_... bits; 0: all */
 } collided_fence;
 COLLIDED_API int collided_fence_add(collided_client* client, const collided_fence* fence, collided_error* error);
 /* Removes by name or glob. *removed may be null. */
@@ -453,9 +443,9 @@ COLLIDED_API int collided_nearest_remove(collided_client* client, const char* na
 /* News of an object and a fence; see collided::FenceEvent. Texts are valid until the next call for this watch. */
 typedef struct collided_fence_event {
   uint32_t size;
-  int32_t kind;   /* 0 inside, 1 enter, 2 exit, 3 cross */
-  int32_t reason; /* as collided::EndReason */
-  int32_t doubt;  /* as collided::Doubt */
+  collided_fence_event_kind kind;
+  collided_end_reason reason;
+  collided_doubt doubt;
   int32_t resync;
   const char* object;
   const char* fence;
@@ -475,9 +465,9 @@ typedef struct collided_fence_event {
 /* News of two objects and a band; see collided::MarginEvent. */
 typedef struct collided_margin_event {
   uint32_t size;
-  int32_t kind;   /* 0 within, 1 approach, 2 near, 3 contact, 4 leave */
-  int32_t reason; /* as collided::EndReason */
-  int32_t doubt;  /* as collided::Doubt */
+  collided_margin_event_kind kind;
+  collided_end_reason reason;
+  collided_doubt doubt;
   int32_t resync;
   int32_t has_contact_in; /* 0: the two would not touch within a minute, and the last two members mean nothing */
   const char* margin;
@@ -505,9 +495,9 @@ typedef struct collided_margin_event {
 /* News of what is nearest; see collided::NearestEvent. */
 typedef struct collided_nearest_event {
   uint32_t size;
-  int32_t kind;   /* 0 is, 1 changed */
-  int32_t reason; /* as collided::EndReason */
-  int32_t doubt;  /* as collided::Doubt */
+  collided_nearest_event_kind kind;
+  collided_end_reason reason;
+  collided_doubt doubt;
   int32_t resync;
   const char* nearest;
   const char* from; /* empty: nothing was */
@@ -627,9 +617,9 @@ COLLIDED_API int collided_publisher_add(collided_publisher* publisher, const col
 /* Takes over an object that is in the world and has no living publisher; its shape stays. It goes back there instead of
  * being removed.
  * orientation  null: as the world's axes
- * lost         what becomes of it when this publisher is lost: 0 remove (it is given back), 1 freeze, 2 hold */
+ * lost         what becomes of it when this publisher is lost; COLLIDED_LOST_REMOVE: it is given back */
 COLLIDED_API int collided_publisher_claim(collided_publisher* publisher, const char* name, const double* position,
-                                          const double* orientation, int32_t lost, uint32_t* handle,
+                                          const double* orientation, collided_lost_policy lost, uint32_t* handle,
                                           collided_error* error);
 COLLIDED_API int collided_publisher_remove(collided_publisher* publisher, uint32_t handle, collided_error* error);
 /* The newest poses of `count` objects, sent by the next flush: positions three numbers each, orientations (w x y z) four,
@@ -674,13 +664,13 @@ typedef struct collided_voxels collided_voxels;
 
 typedef struct collided_voxel_options {
   uint32_t size;
-  int32_t unknown;     /* what unknown cells are: 0 free, 1 undecided (reason not_covered), 2 occupied */
-  double cell_m;       /* side of a cell, rounded to 24 significant bits */
-  double reach_m;      /* points farther from their scan's origin do not count; HUGE_VAL: all do */
-  int64_t decay_ns;    /* a cell that no scan has met for so long is unknown again; 0: never */
-  uint32_t layers;     /* of its objects */
-  int32_t lost_policy; /* of its objects: 0 remove, 1 freeze, 2 hold */
-  size_t most_blocks;  /* of 16 x 16 x 16 cells that may be in use */
+  collided_unknown_cells unknown;
+  double cell_m;                    /* side of a cell, rounded to 24 significant bits */
+  double reach_m;                   /* points farther from their scan's origin do not count; HUGE_VAL: all do */
+  int64_t decay_ns;                 /* a cell that no scan has met for so long is unknown again; 0: never */
+  uint32_t layers;                  /* of its objects */
+  collided_lost_policy lost_policy; /* of its objects */
+  size_t most_blocks;               /* of 16 x 16 x 16 cells that may be in use */
 } collided_voxel_options;
 COLLIDED_API void collided_voxel_defaults(collided_voxel_options* options, uint32_t size);
 

@@ -3,7 +3,8 @@
 
 usage: wheel.py VERSION FOLDER
 
-The wheel has Python only: the client library, libcollided_client.so.1, comes from its own package.
+To be run as BUILD/client/python/wheel.py, where the generated modules are. The wheel has Python only: the client library,
+libcollided_client.so.1, comes from its own package.
 """
 
 import base64

@@ -1,7 +1,8 @@
-# Writes the page into a C++ file: OUTPUT from the files of PAGE. The scripts become one, in the order in which they use
-# each other, in a scope of their own.
+# Writes the page into a C++ file: OUTPUT from the files of PAGE and the script CONTRACT. The scripts become one, in the order
+# in which they use each other, in a scope of their own.
 set(delimiter "collided_page")
-set(script "(() => {\n\"use strict\";\n")
+file(READ ${CONTRACT} contract)
+set(script "(() => {\n\"use strict\";\n${contract}\n")
 foreach(part math text camera shaders_seen shaders_round shaders_ink renderer solids levels world contacts fences labels picture source history timeline cdr
     hull voxel_boxes flat_shape recording opening things coloring selected panels events matrix answers tools asking others controls main)
   file(READ ${PAGE}/${part}.js text)

@@ -13,7 +13,6 @@ inline constexpr const char* kSideWords[] = {"outside", "inside", "undecided"};
 inline constexpr const char* kTouchWords[] = {"apart", "touching", "undecided"};
 inline constexpr const char* kRungWords[] = {"double", "expansion", "rational"};
 inline constexpr const char* kWhereMissedWords[] = {"beside", "start", "end"};
-inline constexpr const char* kApproachEndWords[] = {"found", "touched", "undecided", "cut_short"};
 inline constexpr const char* kEventsOfWords[] = {"contacts", "fences"};
 
 // ---- a ray ---------------------------------------------------------------------------------------------------------
@@ -56,7 +55,7 @@ constexpr auto fields_of(const ExplainedRay*) {
 
 constexpr auto fields_of(const ExplainedApproach*) {
   using T = ExplainedApproach;
-  return std::tuple(field("end", &T::end, kApproachEndWords), field("from_ns", &T::from), field("to_ns", &T::to),
+  return std::tuple(field("end", &T::end), field("from_ns", &T::from), field("to_ns", &T::to),
                     field("time_ns", &T::time), field("distance", &T::distance_m), field("error", &T::error_m),
                     field("at_least", &T::at_least_m), field("looks", &T::looks));
 }

@@ -11,7 +11,6 @@
 namespace collided {
 
 inline constexpr const char* kContainmentWords[] = {"", "a", "b"};
-inline constexpr const char* kOpinionWords[] = {"agree", "differ", "failed", "unsupported"};
 inline constexpr const char* kSummandWords[] = {"nothing", "ball", "box", "ellipsoid", "disc", "half_space"};
 
 // ---- certificates --------------------------------------------------------------------------------------------------
@@ -70,8 +69,8 @@ constexpr auto fields_of(const TrianglePair*) {
 
 constexpr auto fields_of(const SecondOpinion*) {
   using T = SecondOpinion;
-  return std::tuple(field("verdict", &T::verdict, kOpinionWords), field("touches", &T::touches),
-                    field("distance", &T::distance_m), field("why", &T::why, Written::unless_default));
+  return std::tuple(field("verdict", &T::verdict), field("touches", &T::touches), field("distance", &T::distance_m),
+                    field("why", &T::why, Written::unless_default));
 }
 
 constexpr auto fields_of(const PairAnswer*) {

@@ -1,13 +1,13 @@
 #!/usr/bin/env bash
 # The wheel: the same bytes twice, a record that holds, and a client that works from where it was unpacked.
-# usage: wheel.sh PYTHON SOURCE VERSION DOMAIN
+# usage: wheel.sh PYTHON BUILD VERSION DOMAIN
 set -euo pipefail
-python=${1:?} source=${2:?} version=${3:?} domain=${4:?}
+python=${1:?} build=${2:?} version=${3:?} domain=${4:?}
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 export SOURCE_DATE_EPOCH=1700000000
-first=$("$python" "$source/client/python/wheel.py" "$version" "$scratch/one")
-second=$("$python" "$source/client/python/wheel.py" "$version" "$scratch/two")
+first=$("$python" "$build/client/python/wheel.py" "$version" "$scratch/one")
+second=$("$python" "$build/client/python/wheel.py" "$version" "$scratch/two")
 cmp "$first" "$second"
 [[ $(basename "$first") == "collided-$version-py3-none-any.whl" ]]
 "$python" -m zipfile -e "$first" "$scratch/site"
@@ -24,7 +24,7 @@ for name, digest, size in rows:
     content = (site / name).read_bytes()
     assert len(content) == int(size), name
     assert digest == "sha256=" + base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode(), name
-assert "collided/py.typed" in listed
+assert {"collided/py.typed", "collided/_contract.py"} <= listed
 CHECK
 cd "$scratch"
 said=$(PYTHONPATH=$scratch/site "$python" -c "

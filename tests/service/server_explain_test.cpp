@@ -215,7 +215,7 @@ TEST_F(ServerExplain, TheLibraryReadsWhatIsExplained) {
   EXPECT_EQ(pair->answer.verdict, Verdict::miss);
   EXPECT_NEAR(pair->answer.distance_m, std::hypot(3, 1.032) - 2, pair->answer.error_m + 1e-14);
   ASSERT_TRUE(pair->nearest);
-  EXPECT_EQ(pair->nearest->end, ExplainedApproachEnd::found);
+  EXPECT_EQ(pair->nearest->end, ApproachEnd::found);
   EXPECT_LE(pair->nearest->at_least_m, pair->nearest->distance_m + pair->nearest->error_m);
 
   ASSERT_TRUE(client.add_fence({.name = "dock", .shape = {SphereShape{.radius_m = 2, .center = {8, 0, 50}}}}));

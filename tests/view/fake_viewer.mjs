@@ -5,11 +5,11 @@ import { join } from "node:path";
 const kUnturned = [1, 0, 0, 0];
 export const kAddress = "http://fake-viewer/";
 
-/// The page's files as the build puts them together (client/view/embed.cmake).
-export function pageFiles(source) {
+/// The page's files as the build puts them together (client/view/embed.cmake). contract: the script of idl/generate.py.
+export function pageFiles(source, contract) {
   const parts = readFileSync(join(source, "embed.cmake"), "utf8").match(/foreach\(part ([^)]*)\)/)[1].trim().split(/\s+/);
   const read = (name) => readFileSync(join(source, "page", name), "utf8");
-  const script = `(() => {\n"use strict";\n${parts.map((part) => read(`${part}.js`)).join("\n")}})();\n`;
+  const script = `(() => {\n"use strict";\n${readFileSync(contract, "utf8")}\n${parts.map((part) => read(`${part}.js`)).join("\n")}})();\n`;
   return { "/": ["text/html", read("index.html")], "/view.css": ["text/css", read("view.css")], "/view.js": ["text/javascript", script] };
 }
 

@@ -2,7 +2,7 @@
 import { launch, until, words } from "./chromium.mjs";
 import { FakeWorld, kAddress, pageFiles } from "./fake_viewer.mjs";
 
-export const files = pageFiles(words.source);
+export const files = pageFiles(words.source, words.contract);
 export const kHostile = ["<img src=x onerror=\"window.isBroken=1\">", "\u202egnp.exe", "مرحبا بالعالم", "x".repeat(255)];
 
 export function hall() {

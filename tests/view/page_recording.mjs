@@ -1,6 +1,5 @@
 // Tests of the page: recordings, and files that are none. browser.mjs opens real ones.
 import { readFileSync } from "node:fs";
-import { join } from "node:path";
 import { deflateSync } from "node:zlib";
 import { check, picture, until, words as options } from "./chromium.mjs";
 import { files, hall, open, shut, textOf } from "./page_fixture.mjs";
@@ -124,9 +123,9 @@ function definition(objectNumber, name, shape) {
   return Buffer.concat([Buffer.from([0, 1, 0, 0]), ...parts]);
 }
 
-/// Samples as they are recorded, by the page's own table of their members (browser.mjs compares that with real ones): `members`
+/// Samples as they are recorded, by the generated table of their members (browser.mjs compares that with real ones): `members`
 /// has those that are not 0 or empty.
-const kSamples = Function(`return (() => { ${readFileSync(join(options.source, "page", "cdr.js"), "utf8").match(/const kSamples = \{[\s\S]*?\n\};/)[0]} return kSamples; })()`)();
+const kSamples = Function(`return (() => { ${readFileSync(options.contract, "utf8").match(/const kSamples = \{[\s\S]*?\n\};/)[0]} return kSamples; })()`)();
 function sample(type, members) {
   const parts = [];
   let at = 0;
@@ -135,7 +134,7 @@ function sample(type, members) {
     parts.push(Buffer.alloc(gap), bytes);
     at += gap + bytes.length;
   };
-  const widths = { u8: 1, u32: 4, u64: 8, i64: 8, f64: 8, key: 8 };
+  const widths = { u8: 1, u32: 4, u64: 8, i64: 8, f64: 8 };
   const putNumber = (kind, value) => {
     const bytes = Buffer.alloc(widths[kind]);
     if (kind === "f64") bytes.writeDoubleLE(value);

@@ -241,7 +241,7 @@ Record pair_record(const std::string& a, const std::string& b, const ExplainedPa
           {"error", now.verdict == Verdict::undecided ? none : Value(now.error_m)},
           {"why_not", RawJson{json_of(pair.why_not).dump()}},
           {"attached", pair.attached},
-          {"end", nearest ? Value(std::string_view(kApproachEndWords[static_cast<std::size_t>(nearest->end)])) : none},
+          {"end", nearest ? Value(name_of(nearest->end)) : none},
           {"from_ns", time(&ExplainedApproach::from)},
           {"to_ns", time(&ExplainedApproach::to)},
           {"time_ns", time(&ExplainedApproach::time)},
@@ -261,7 +261,7 @@ void print_why_no_events(Printer& printer, const ExplainedPair& pair) {
 }
 
 void print_approach(Printer& printer, const ExplainedApproach& nearest) {
-  using End = ExplainedApproachEnd;
+  using End = ApproachEnd;
   const std::string when = fmt::format("at {}, {} before the last that is known", clock_text(nearest.time),
                                        format_duration(nearest.to - nearest.time));
   if (nearest.end == End::touched) return printer.line(fmt::format("  nearest  they touched {}", when));

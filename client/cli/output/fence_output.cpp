@@ -13,16 +13,6 @@
 namespace collided::cli {
 namespace {
 
-std::string_view fence_word(FenceEventKind kind) {
-  switch (kind) {
-    case FenceEventKind::inside: return "inside";
-    case FenceEventKind::enter: return "enter";
-    case FenceEventKind::exit: return "exit";
-    case FenceEventKind::cross: break;
-  }
-  return "cross";
-}
-
 std::chrono::nanoseconds before(const FenceEvent& event, double seconds) {
   return event.world_time - std::chrono::nanoseconds(std::llround(seconds * 1e9));
 }
@@ -65,7 +55,7 @@ Record fence_record(const FenceEvent& event) {
     return is_there ? Value(std::int64_t{before(event, seconds).count()}) : none;
   };
   return {{"time", seconds_of(happened_by(event))},
-          {"what", fence_word(event.kind)},
+          {"what", name_of(event.kind)},
           {"object", std::string_view(event.object)},
           {"fence", std::string_view(event.fence)},
           {"after", has_stay ? Value(seconds_of(happened_by(event) - event.entered)) : none},
@@ -92,7 +82,7 @@ std::string fence_line(const Printer& printer, const FenceEvent& event) {
                        clock_text(event.entered), doubt);
   const Paint paint = event.kind == FenceEventKind::exit ? Paint::faint : Paint::bad;
   std::string line =
-      fmt::format("{} {}  {}  {}", clock_text(happened_by(event)), printer.paint(paint, fence_word(event.kind)),
+      fmt::format("{} {}  {}  {}", clock_text(happened_by(event)), printer.paint(paint, name_of(event.kind)),
                   printable(event.fence), printable(event.object));
   if (event.kind == FenceEventKind::exit)
     line += fmt::format("  after {}  ({})", format_duration(happened_by(event) - event.entered), name_of(event.reason));

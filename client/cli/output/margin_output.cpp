@@ -12,17 +12,6 @@
 namespace collided::cli {
 namespace {
 
-std::string_view margin_word(MarginEventKind kind) {
-  switch (kind) {
-    case MarginEventKind::within: return "within";
-    case MarginEventKind::approach: return "approach";
-    case MarginEventKind::near: return "near";
-    case MarginEventKind::contact: return "contact";
-    case MarginEventKind::leave: break;
-  }
-  return "leave";
-}
-
 bool comes_nearer(const MarginEvent& event) {
   return event.kind != MarginEventKind::within && event.kind != MarginEventKind::leave;
 }
@@ -75,7 +64,7 @@ Record margin_record(const MarginEvent& event) {
     return event.kind == MarginEventKind::within ? none : Value(std::int64_t{before(event, seconds).count()});
   };
   return {{"time", seconds_of(turned_by(event))},
-          {"what", margin_word(event.kind)},
+          {"what", name_of(event.kind)},
           {"margin", std::string_view(event.margin)},
           {"object", std::string_view(event.object)},
           {"around", std::string_view(event.around)},
@@ -113,7 +102,7 @@ std::string margin_line(const Printer& printer, const MarginEvent& event) {
     return fmt::format("within   {}{}  since {}{}", who, band, clock_text(event.entered), doubt);
   const Paint paint = event.kind == MarginEventKind::leave ? Paint::faint : Paint::bad;
   std::string line =
-      fmt::format("{} {}  {}", clock_text(turned_by(event)), printer.paint(paint, margin_word(event.kind)), who);
+      fmt::format("{} {}  {}", clock_text(turned_by(event)), printer.paint(paint, name_of(event.kind)), who);
   if (event.kind != MarginEventKind::contact) line += band;
   if (event.kind == MarginEventKind::leave)
     line += fmt::format("  after {}  ({})", format_duration(turned_by(event) - event.entered),

@@ -37,7 +37,7 @@ Record nearest_record(const NearestEvent& event) {
     return is_change ? Value(std::int64_t{seconds_before(event, seconds).count()}) : none;
   };
   return {{"time", seconds_of(is_change ? seconds_before(event, event.bracket_high_s) : event.world_time)},
-          {"what", is_change ? std::string_view("changed") : std::string_view("is")},
+          {"what", name_of(event.kind)},
           {"nearest", std::string_view(event.nearest)},
           {"from", text_or_none(event.from)},
           {"to", text_or_none(event.to)},

@@ -98,11 +98,6 @@ void print_text(Printer& printer, const ShardedPairAnswer& pair) {
     printer.line("  stale: one of them is where it was heard of last, and moved then");
 }
 
-std::string_view word_of(OpinionVerdict verdict) {
-  static constexpr std::string_view kWords[] = {"agree", "differ", "failed", "unsupported"};
-  return kWords[static_cast<std::size_t>(verdict)];
-}
-
 std::string words_of(const SecondOpinion& opinion) {
   if (!opinion.touches) return opinion.why;
   if (*opinion.touches) return "touching";
@@ -115,7 +110,7 @@ std::string opinion_line(const Printer& printer, const PairAnswer& pair) {
   const SecondOpinion& opinion = *pair.opinion;
   const bool differs = opinion.verdict == OpinionVerdict::differ;
   const Paint paint = differs ? Paint::bad : opinion.verdict == OpinionVerdict::agree ? Paint::good : Paint::doubt;
-  std::string line = fmt::format("  FCL: {}  {}", printer.paint(paint, std::string(word_of(opinion.verdict))),
+  std::string line = fmt::format("  FCL: {}  {}", printer.paint(paint, std::string(name_of(opinion.verdict))),
                                  printable(words_of(opinion)));
   if (differs && pair.verdict == Verdict::hit)
     line += fmt::format(", ours: touching, depth {}", readable_length(pair.depth_m, pair.error_m, printer.digits()));
@@ -126,7 +121,7 @@ std::string opinion_line(const Printer& printer, const PairAnswer& pair) {
 
 void append_opinion(const SecondOpinion& opinion, Record& record) {
   const Value none = std::monostate{};
-  record.push_back({"opinion", word_of(opinion.verdict)});
+  record.push_back({"opinion", name_of(opinion.verdict)});
   record.push_back(
       {"opinion_answer", opinion.touches ? Value(std::string_view(*opinion.touches ? "touching" : "apart")) : none});
   record.push_back({"opinion_distance", opinion.distance_m ? Value(*opinion.distance_m) : none});

@@ -7,10 +7,8 @@
 #include <memory>
 #include <optional>
 #include <string>
-#include <string_view>
 
 #include <collided/codes.hpp>
-#include <collided/containment.hpp>
 #include <collided/geometry.hpp>
 #include <collided/subscription.hpp>
 
@@ -23,17 +21,10 @@ namespace client {
 class ShardedWatching;
 }
 
-/// open: the contact already held when the watch began. persisted: a contact that was reported goes on. contained: one of
-/// the two has come to lie wholly within the other, a declared solid; emerged: it no longer does. These two alternate
-/// between a contact's `began` and its `ended`.
-enum class EventKind { open, began, persisted, ended, contained, emerged };
-constexpr std::string_view name_of(EventKind kind) {
-  constexpr std::string_view kNames[] = {"open", "began", "persisted", "ended", "contained", "emerged"};
-  return kNames[static_cast<int>(kind)];
-}
-/// none: the reason was missed, or the event is not an `ended`.
+using codes::Containment;
 using codes::Doubt;
-using codes::EndReason;
+using codes::EndReason;  // none: the reason was missed, or the event is not an `ended`
+using EventKind = codes::ContactEventKind;
 
 /// News of a contact between two objects. Metres, world coordinates.
 struct Event {

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include <collided/codes.hpp>
 #include <collided/events.hpp>
 #include <collided/geometry.hpp>
 #include <collided/shapes.hpp>
@@ -45,8 +46,7 @@ struct Fence {
   bool keep = false;
 };
 
-/// inside: it was in already when the watch began. cross: it came in and went out between two poses.
-enum class FenceEventKind { inside, enter, exit, cross };
+using codes::FenceEventKind;
 
 /// News of an object and a fence.
 struct FenceEvent {

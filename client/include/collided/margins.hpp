@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include <collided/codes.hpp>
 #include <collided/events.hpp>
 #include <collided/geometry.hpp>
 #include <collided/subscription.hpp>
@@ -31,9 +32,7 @@ struct Margin {
   bool keep = false;
 };
 
-/// within: the two were in the band already when the watch began. approach: they came into the widest band; near: into
-/// another one; contact: they touch. leave: they left a band.
-enum class MarginEventKind { within, approach, near, contact, leave };
+using codes::MarginEventKind;
 
 /// News of two objects and a band between them.
 struct MarginEvent {

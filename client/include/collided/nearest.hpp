@@ -6,6 +6,7 @@
 #include <optional>
 #include <string>
 
+#include <collided/codes.hpp>
 #include <collided/events.hpp>
 #include <collided/geometry.hpp>
 #include <collided/subscription.hpp>
@@ -31,8 +32,7 @@ struct NearestQuestion {
   bool keep = false;
 };
 
-/// is: was nearest already when the watch began. changed: another one is nearest, or nothing is near enough any more.
-enum class NearestEventKind { is, changed };
+using codes::NearestEventKind;
 
 /// News of a question for the nearest. Another one is told once it is surely nearer; of two as near the one before stays.
 struct NearestEvent {

@@ -10,6 +10,7 @@
 #include <span>
 #include <string>
 
+#include <collided/codes.hpp>
 #include <collided/publisher.hpp>
 
 /// Live obstacles from scans: a grid of cells that are occupied, free or unknown, and a publisher that keeps the world
@@ -23,9 +24,7 @@ struct VoxelTiles;   // the insides of a VoxelGrid ...
 struct ShownVoxels;  // ... and of PublishedVoxels
 }  // namespace client
 
-/// What the world is told of cells that are unknown: nothing, so that they are free, and the two are one state, unknown; that
-/// they are, so that a question that reaches into them is undecided with not_covered; or that they are occupied.
-enum class UnknownCells { free, undecided, occupied };
+using codes::UnknownCells;
 
 /// A grid of cubes that stands along the world's axes, a corner of one at the origin.
 struct VoxelOptions {

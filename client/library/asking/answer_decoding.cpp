@@ -124,9 +124,8 @@ std::optional<Error> AnswerCollector::check(const wire::Reply& reply) const {
   }
   const auto answers = dds::view(reply.answers);
   const auto reasons = dds::view(reply.reasons);
-  if (std::any_of(answers.begin(), answers.end(), [](auto a) { return a > static_cast<int>(Verdict::invalid); }) ||
-      std::any_of(reasons.begin(), reasons.end(),
-                  [](auto r) { return r > static_cast<int>(UndecidedReason::not_covered); })) {
+  if (!std::ranges::all_of(answers, codes::is_known<Verdict>) ||
+      !std::ranges::all_of(reasons, codes::is_known<UndecidedReason>)) {
     return nonsense("an answer of an unknown kind");
   }
   if (answered_ > 0 && (reply.epoch != result_.epoch || reply.version != result_.version)) {

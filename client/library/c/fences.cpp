@@ -21,10 +21,6 @@ struct collided_nearest_watch {
 
 namespace {
 
-constexpr std::int32_t kEnterBit = 1;
-constexpr std::int32_t kExitBit = 2;
-constexpr std::int32_t kCrossBit = 4;
-
 Result<Fence> fence_of(const collided_fence& given) {
   Fence fence{.name = text(given.name),
               .to = text(given.to),
@@ -33,9 +29,9 @@ Result<Fence> fence_of(const collided_fence& given) {
               .mask = ~given.left_out_layers,
               .keep = given.keep != 0};
   if (given.tells != 0) {
-    fence.enter = (given.tells & kEnterBit) != 0;
-    fence.exit = (given.tells & kExitBit) != 0;
-    fence.cross = (given.tells & kCrossBit) != 0;
+    fence.enter = (given.tells & codes::kTellsEnter) != 0;
+    fence.exit = (given.tells & codes::kTellsExit) != 0;
+    fence.cross = (given.tells & codes::kTellsCross) != 0;
   }
   Result<Shape> shape = shape_of(given.parts, given.part_count);
   if (!shape) return shape.error();

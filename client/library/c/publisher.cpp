@@ -66,11 +66,12 @@ int collided_publisher_add(collided_publisher* publisher, const collided_object*
 }
 
 int collided_publisher_claim(collided_publisher* publisher, const char* name, const double* position,
-                             const double* orientation, int32_t lost, uint32_t* handle, collided_error* error) {
+                             const double* orientation, collided_lost_policy lost, uint32_t* handle,
+                             collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!publisher) return missing("publisher");
     if (!position) return missing("position");
-    if (lost < 0 || lost > 2)
+    if (lost < COLLIDED_LOST_REMOVE || lost > COLLIDED_LOST_HOLD)
       return Error{ErrorCode::bad_input, "lost policy " + std::to_string(lost) + "; allowed 0 to 2",
                    "nothing was sent"};
     const Pose pose{vector(position), rotation(orientation)};

@@ -2,12 +2,6 @@
 
 namespace collided::c {
 
-static_assert(COLLIDED_ALL == static_cast<int>(HitMode::all) &&
-              COLLIDED_VERDICT == static_cast<int>(HitMode::verdict) &&
-              COLLIDED_HIGH == static_cast<int>(Importance::high) &&
-              COLLIDED_BACK == static_cast<int>(Instant::Kind::back) &&
-              COLLIDED_INVALID == static_cast<int>(Verdict::invalid));
-
 namespace {
 
 int code_of(ErrorCode code) {

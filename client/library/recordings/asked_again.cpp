@@ -55,11 +55,11 @@ struct Hits {
 };
 
 std::string words_of(Verdict verdict, std::uint8_t reason, const Hits& hits, std::size_t first, std::size_t count) {
-  constexpr const char* kAnswers[] = {"miss", "hit", "undecided", "invalid"};
-  constexpr const char* kReasons[] = {
-      "", " (numeric)", " (stale object)", " (recovering)", " (truncated)", " (deadline)", " (not covered)"};
-  std::string words = kAnswers[std::min<std::size_t>(static_cast<std::size_t>(verdict), 3)];
-  if (reason < std::size(kReasons)) words += kReasons[reason];
+  std::string words(name_of(std::min(verdict, Verdict::invalid)));
+  if (std::string why(name_of(static_cast<codes::UndecidedReason>(reason))); !why.empty()) {
+    std::ranges::replace(why, '_', ' ');
+    words += " (" + why + ')';
+  }
   if (count > 0) words += ' ' + hits.name(first) + ' ' + client::words(hits.numbers[first * kHitNumbers]);
   if (count > 1) words += " and " + std::to_string(count - 1) + " more";
   return words;

@@ -8,8 +8,9 @@
 namespace collided::client {
 namespace {
 
-/// What a fence tells, as its bits travel in an event. A doubt has none: all is told then.
-enum Tells : std::uint32_t { kTellsEnter = 1, kTellsExit = 2, kTellsCross = 4 };
+using codes::kTellsCross;
+using codes::kTellsEnter;
+using codes::kTellsExit;
 
 FenceEvent news_of(const Event& event, FenceEventKind kind) {
   return {.kind = kind,

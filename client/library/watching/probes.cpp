@@ -18,7 +18,7 @@ namespace {
 constexpr std::chrono::seconds kTimeout{10};
 
 Clearance clearance_of(const std::string& word) {
-  for (std::uint8_t code = 0; !name_of(static_cast<Clearance>(code)).empty(); ++code) {
+  for (std::uint8_t code = 0; codes::is_known<Clearance>(code); ++code) {
     if (name_of(static_cast<Clearance>(code)) == word) return static_cast<Clearance>(code);
   }
   return Clearance::undecided;
@@ -84,19 +84,20 @@ bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReadin
   names.learn(dds::view(frame.named_ids), dds::view(frame.names));
   const auto name = [&](std::uint64_t id) { return id == 0 ? std::string() : names.name(id); };
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    const auto state = static_cast<Clearance>(dds::view(frame.states)[i]);
-    readings.push_back({.probe = std::string(probes[i]),
-                        .object = name(dds::view(frame.objects)[i]),
-                        .state = name_of(state).empty() ? Clearance::undecided : state,
-                        .clearance_m = dds::view(frame.clearances)[i],
-                        .error_m = dds::view(frame.clearance_errors)[i],
-                        .met = name(dds::view(frame.met)[i]),
-                        .triangle = dds::view(frame.triangles)[i],
-                        .point = vector_in(frame.points, i),
-                        .normal = vector_in(frame.normals, i),
-                        .epoch = frame.epoch,
-                        .version = frame.version,
-                        .world_time = std::chrono::nanoseconds(frame.world_time_ns)});
+    const std::uint8_t state = dds::view(frame.states)[i];
+    readings.push_back(
+        {.probe = std::string(probes[i]),
+         .object = name(dds::view(frame.objects)[i]),
+         .state = codes::is_known<Clearance>(state) ? static_cast<Clearance>(state) : Clearance::undecided,
+         .clearance_m = dds::view(frame.clearances)[i],
+         .error_m = dds::view(frame.clearance_errors)[i],
+         .met = name(dds::view(frame.met)[i]),
+         .triangle = dds::view(frame.triangles)[i],
+         .point = vector_in(frame.points, i),
+         .normal = vector_in(frame.normals, i),
+         .epoch = frame.epoch,
+         .version = frame.version,
+         .world_time = std::chrono::nanoseconds(frame.world_time_ns)});
   }
   return true;
 }

@@ -15,17 +15,12 @@ using wire_contract::ServerState;
 constexpr int kFirstKind = static_cast<int>(EventKind::began);
 
 /// A code that this library does not know yet counts as `numeric`.
-Doubt doubt_of(std::uint8_t code) {
-  return code <= static_cast<int>(Doubt::publisher_lost) ? static_cast<Doubt>(code) : Doubt::numeric;
-}
+Doubt doubt_of(std::uint8_t code) { return codes::is_known<Doubt>(code) ? static_cast<Doubt>(code) : Doubt::numeric; }
 
 bool fits(const wire::EventFrame& frame) {
-  const auto kinds = dds::view(frame.kinds);
-  const auto reasons = dds::view(frame.reasons);
-  return wire::has_rows<wire::EventFrameColumns>(frame, kinds.size()) &&
-         std::all_of(kinds.begin(), kinds.end(),
-                     [](auto k) { return k <= static_cast<int>(wire_contract::EventKind::emerged); }) &&
-         std::all_of(reasons.begin(), reasons.end(), [](auto r) { return r <= static_cast<int>(EndReason::allowed); });
+  return wire::has_rows<wire::EventFrameColumns>(frame, frame.kinds._length) &&
+         std::ranges::all_of(dds::view(frame.kinds), codes::is_known<wire_contract::EventKind>) &&
+         std::ranges::all_of(dds::view(frame.reasons), codes::is_known<EndReason>);
 }
 
 bool fits(const wire::ContactShard& shard) { return wire::has_rows<wire::ContactShardColumns>(shard, shard.a._length); }

@@ -10,7 +10,8 @@ from dataclasses import dataclass
 from typing import Any, Iterator
 
 from . import _numbers
-from ._library import Owned, library
+from ._contract import NO_TRIANGLE, UNDECIDED_REASON, VERDICT
+from ._library import Owned, library, word
 from ._structs import AnswersInfo, Columns
 
 
@@ -22,18 +23,15 @@ class Verdict(enum.IntEnum):
     """True or false where it is HIT or MISS. bool() of the others raises Undecided, since "not known to hit" must not be
     read as "free"."""
 
-    MISS = 0
-    HIT = 1
-    UNDECIDED = 2
-    INVALID = 3
+    MISS = VERDICT.index("miss")
+    HIT = VERDICT.index("hit")
+    UNDECIDED = VERDICT.index("undecided")
+    INVALID = VERDICT.index("invalid")
 
     def __bool__(self) -> bool:
         if self in (Verdict.UNDECIDED, Verdict.INVALID):
             raise Undecided(f"the answer is {self.name.lower()}, which is neither a hit nor a miss")
         return self is Verdict.HIT
-
-
-REASONS = ("", "numeric", "stale_object", "recovering", "truncated", "deadline", "not_covered")
 
 
 @dataclass(frozen=True)
@@ -90,7 +88,6 @@ _TYPES = {
     "covered_m": ("f8", "d", 1),
 }
 _OF_QUESTIONS = ("verdict", "reason", "hit_count", "uncovered", "covered_m")
-NO_TRIANGLE = 0xFFFFFFFF
 
 
 class Answers(Owned):
@@ -286,13 +283,13 @@ class Answers(Owned):
         reason = int(self.reason[index])
         return Answer(
             Verdict(int(self.verdict[index])),
-            REASONS[reason] if reason < len(REASONS) else str(reason),
+            word(UNDECIDED_REASON, reason),
             tuple(self._hit(first + i) for i in range(int(self.hit_count[index]))),
             *self._uncovered(index, reason),
         )
 
     def _uncovered(self, index: int, reason: int) -> tuple[tuple[float, float, float] | None, float | None]:
-        if REASONS[reason : reason + 1] != ("not_covered",):
+        if word(UNDECIDED_REASON, reason) != "not_covered":
             return None, None
         point, covered = self._triple("uncovered", index), float(self._column("covered_m")[index])
         return (None, None) if math.isnan(point[0]) else (point, None if math.isnan(covered) else covered)

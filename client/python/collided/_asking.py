@@ -8,16 +8,14 @@ from dataclasses import dataclass
 from typing import Any, Sequence
 
 from . import _numbers
-from ._answers import NO_TRIANGLE, REASONS, Answer, Answers, Verdict
+from ._answers import Answer, Answers, Verdict
 from ._commands import Commanding
+from ._contract import CONTAINMENT, HIT_MODE, IMPORTANCE, INSTANT_KIND, NO_TRIANGLE, UNDECIDED_REASON
 from ._errors import BadInput
 from ._groups import Clearance, read_clearance
-from ._library import call, encoded, library, nanoseconds
+from ._library import call, code_of, encoded, library, nanoseconds, word
 from ._numbers import Row, Rows
 from ._structs import AskOptions, CPairAnswer
-
-_MODES = {"closest": 0, "any": 1, "all": 2, "verdict": 4}
-_IMPORTANCES = {"normal": 0, "low": 1, "high": 2}
 
 
 @dataclass(frozen=True)
@@ -47,19 +45,13 @@ def _triple(values: ctypes.Array[ctypes.c_double]) -> tuple[float, float, float]
     return values[0], values[1], values[2]
 
 
-def _chosen(value: str, known: dict[str, int], what: str) -> int:
-    if value not in known:
-        raise BadInput(f"{what} is {value!r}; known are {', '.join(known)}", "nothing was sent")
-    return known[value]
-
-
 def _set_instant(options: AskOptions, as_of: str | int) -> None:
     if as_of == "latest":
         return
     if as_of == "settled":
-        options.instant = 1
+        options.instant = INSTANT_KIND.index("settled")
     elif isinstance(as_of, int) and not isinstance(as_of, bool):
-        options.instant, options.instant_ns = (2, as_of) if as_of >= 0 else (3, -as_of)
+        options.instant, options.instant_ns = INSTANT_KIND.index("at" if as_of >= 0 else "back"), abs(as_of)
     else:
         raise BadInput(
             f"as_of is {as_of!r}; known are 'latest', 'settled', nanoseconds since 1970, and minus the nanoseconds before now",
@@ -82,8 +74,8 @@ def _ask_options(
 ) -> AskOptions:
     options = AskOptions()
     library.collided_ask_defaults(ctypes.byref(options), ctypes.sizeof(AskOptions))
-    options.mode = _chosen(mode, _MODES, "mode")
-    options.importance = _chosen(importance, _IMPORTANCES, "importance")
+    options.mode = code_of(mode, HIT_MODE, "mode")
+    options.importance = code_of(importance, IMPORTANCE, "importance")
     options.only = encoded(only, "only")
     options.skip = encoded(skip, "skip")
     if not 0 <= mask <= 0xFFFFFFFF:
@@ -173,12 +165,11 @@ class Asking(Commanding):
         told = CPairAnswer(size=ctypes.sizeof(CPairAnswer))
         names = encoded(a, "the name"), encoded(b, "the name")
         call("pair", self._handle, *names, nanoseconds(timeout, "timeout"), ctypes.byref(told))
-        contained = ("", "a_in_b", "b_in_a")
         return PairAnswer(
             Verdict(told.verdict),
-            REASONS[told.reason] if told.reason < len(REASONS) else str(told.reason),
+            word(UNDECIDED_REASON, told.reason),
             bool(told.stale),
-            contained[told.contained],
+            word(CONTAINMENT, told.contained),
             told.distance_m,
             told.depth_m,
             told.error_m,

@@ -9,7 +9,8 @@ import types
 import typing
 from typing import Any, TypeVar
 
-from ._answers import NO_TRIANGLE, Verdict
+from ._answers import Verdict
+from ._contract import NO_TRIANGLE
 
 _VERDICTS = {
     **dict.fromkeys(("miss", "outside", "apart"), Verdict.MISS),

@@ -7,16 +7,23 @@ import time
 from dataclasses import dataclass
 from typing import Any, Callable, Generic, Iterator, Sequence, TypeVar, cast
 
+from ._contract import (
+    DOUBT,
+    END_REASON,
+    FENCE_EVENT_KIND,
+    MARGIN_EVENT_KIND,
+    NEAREST_EVENT_KIND,
+    TELLS_CROSS,
+    TELLS_ENTER,
+    TELLS_EXIT,
+)
 from ._errors import BadInput
-from ._library import NOTHING, Owned, call, encoded, library, nanoseconds
+from ._library import NOTHING, Owned, call, encoded, library, nanoseconds, word
 from ._shapes import Shape, encode_parts
 from ._structs import CFence, CFenceEvent, CMargin, CMarginEvent, CNearest, CNearestEvent, CPart
-from ._watch import DOUBTS, REASONS, SLICE_S, word
+from ._watch import SLICE_S
 
-FENCE_KINDS = ("inside", "enter", "exit", "cross")
-MARGIN_KINDS = ("within", "approach", "near", "contact", "leave")
-NEAREST_KINDS = ("is", "changed")
-_TELLS = {"enter": 1, "exit": 2, "cross": 4}
+_TELLS = {"enter": TELLS_ENTER, "exit": TELLS_EXIT, "cross": TELLS_CROSS}
 _ALL_LAYERS = 0xFFFFFFFF
 
 
@@ -101,9 +108,9 @@ def _text(value: bytes) -> str:
 
 def _fence_event(told: CFenceEvent) -> FenceEvent:
     return FenceEvent(
-        word(FENCE_KINDS, told.kind),
-        word(REASONS, told.reason),
-        word(DOUBTS, told.doubt),
+        word(FENCE_EVENT_KIND, told.kind),
+        word(END_REASON, told.reason),
+        word(DOUBT, told.doubt),
         bool(told.resync),
         _text(told.object),
         _text(told.fence),
@@ -121,9 +128,9 @@ def _fence_event(told: CFenceEvent) -> FenceEvent:
 
 def _margin_event(told: CMarginEvent) -> MarginEvent:
     return MarginEvent(
-        word(MARGIN_KINDS, told.kind),
-        word(REASONS, told.reason),
-        word(DOUBTS, told.doubt),
+        word(MARGIN_EVENT_KIND, told.kind),
+        word(END_REASON, told.reason),
+        word(DOUBT, told.doubt),
         bool(told.resync),
         _text(told.margin),
         _text(told.object),
@@ -148,9 +155,9 @@ def _margin_event(told: CMarginEvent) -> MarginEvent:
 
 def _nearest_event(told: CNearestEvent) -> NearestEvent:
     return NearestEvent(
-        word(NEAREST_KINDS, told.kind),
-        word(REASONS, told.reason),
-        word(DOUBTS, told.doubt),
+        word(NEAREST_EVENT_KIND, told.kind),
+        word(END_REASON, told.reason),
+        word(DOUBT, told.doubt),
         bool(told.resync),
         _text(told.nearest),
         _text(told.from_object),

@@ -189,6 +189,18 @@ def encoded(text: str, what: str) -> bytes:
     return text.encode("utf-8", "surrogateescape")
 
 
+def word(words: tuple[str, ...], code: int) -> str:
+    """The word of a code, or its number where a newer library has more."""
+    return words[code] if 0 <= code < len(words) else str(code)
+
+
+def code_of(value: str, words: tuple[str, ...], what: str) -> int:
+    """The code that has this word."""
+    if value not in words:
+        raise BadInput(f"{what} is {value!r}; known are {', '.join(words)}", "nothing was sent")
+    return words.index(value)
+
+
 def nanoseconds(seconds: float, what: str) -> int:
     """Seconds as the library counts them; more than 292 years is as long as 292 years."""
     if not seconds >= 0:

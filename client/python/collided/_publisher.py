@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from typing import Sequence
 
 from . import _numbers, _voxels
-from ._errors import BadInput
-from ._library import Owned, call, encoded, library, nanoseconds
+from ._contract import LOST_POLICY
+from ._library import Owned, call, code_of, encoded, library, nanoseconds
 from ._numbers import Row, Rows
-from ._shapes import LOST_POLICIES, Shape, Solid, encode_object
+from ._shapes import Shape, Solid, encode_object
 from ._structs import CReport
 from ._voxels import Voxels
 
@@ -70,12 +70,10 @@ class Publisher(Owned):
     ) -> int:
         """Takes over an object that is in the world and has no living publisher; its shape stays. Returns its handle.
         It goes back there instead of being removed."""
-        if lost not in LOST_POLICIES:
-            raise BadInput(f"lost is {lost!r}; known are {', '.join(LOST_POLICIES)}", "nothing was sent")
         at = _numbers.vector(position, 3, "position")
         turned = _numbers.vector(orientation, 4, "orientation")
         handle = ctypes.c_uint32()
-        policy = LOST_POLICIES[lost]
+        policy = code_of(lost, LOST_POLICY, "lost")
         call("publisher_claim", self._handle, encoded(name, "the name"), at, turned, policy, ctypes.byref(handle))
         return handle.value
 

@@ -7,8 +7,9 @@ from dataclasses import dataclass, field
 from typing import Any, Literal, Sequence, Union
 
 from . import _numbers
+from ._contract import LOST_POLICY
 from ._errors import BadInput
-from ._library import encoded, library
+from ._library import code_of, encoded, library
 from ._numbers import Row, Rows
 from ._structs import CObject, CPart
 
@@ -124,7 +125,6 @@ class Polyline:
 Shape = Union[
     Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, HalfSpace, Hull, Mesh, HeightField, Cloud, Polyline
 ]
-LOST_POLICIES = {"remove": 0, "freeze": 1, "hold": 2}
 
 
 @dataclass
@@ -206,8 +206,7 @@ def encode_object(
     solid: Solid,
 ) -> EncodedObject:
     """An object for the functions that add one."""
-    if lost not in LOST_POLICIES:
-        raise BadInput(f"lost is {lost!r}; known are {', '.join(LOST_POLICIES)}", "nothing was sent")
+    policy = code_of(lost, LOST_POLICY, "lost")
     if solid not in (True, False, "winding"):
         raise BadInput(f'solid is {solid!r}; known are True, False and "winding"', "nothing was sent")
     for value, what in ((layers, "layers"), (mask, "mask"), (group, "group")):
@@ -224,6 +223,6 @@ def encode_object(
     made.value.scale = _numbers.vector(scale, 3, "scale")
     made.value.layers, made.value.mask, made.value.group = layers, mask, group
     made.value.moving = 1 if moving else 0
-    made.value.lost_policy = LOST_POLICIES[lost]
+    made.value.lost_policy = policy
     made.value.solid = 2 if solid == "winding" else int(solid)
     return made

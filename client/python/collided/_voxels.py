@@ -6,16 +6,13 @@ import ctypes
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from . import _numbers
-from ._errors import BadInput
-from ._library import Owned, call, encoded, library, nanoseconds
+from ._contract import LOST_POLICY, UNKNOWN_CELLS
+from ._library import Owned, call, code_of, encoded, library, nanoseconds
 from ._numbers import Row, Rows
-from ._shapes import LOST_POLICIES
 from ._structs import CVoxelScan, VoxelOptions
 
 if TYPE_CHECKING:
     from ._publisher import Publisher
-
-_UNKNOWN = {"free": 0, "undecided": 1, "occupied": 2}
 
 
 class VoxelScan(NamedTuple):
@@ -85,14 +82,11 @@ def start(
     lost: str,
 ) -> Voxels:
     """A grid of this publisher; see Publisher.voxels()."""
-    if unknown not in _UNKNOWN:
-        raise BadInput(f"unknown is {unknown!r}; known are {', '.join(_UNKNOWN)}", "nothing was sent")
-    if lost not in LOST_POLICIES:
-        raise BadInput(f"lost is {lost!r}; known are {', '.join(LOST_POLICIES)}", "nothing was sent")
     options = VoxelOptions()
     library.collided_voxel_defaults(ctypes.byref(options), ctypes.sizeof(options))
-    options.cell_m, options.reach_m, options.unknown = cell, reach, _UNKNOWN[unknown]
-    options.decay_ns, options.layers, options.lost_policy = nanoseconds(decay, "decay"), layers, LOST_POLICIES[lost]
+    options.cell_m, options.reach_m, options.layers = cell, reach, layers
+    options.unknown, options.lost_policy = code_of(unknown, UNKNOWN_CELLS, "unknown"), code_of(lost, LOST_POLICY, "lost")
+    options.decay_ns = nanoseconds(decay, "decay")
     handle = ctypes.c_void_p()
     call("voxels_start", publisher._handle, encoded(name, "the name"), ctypes.byref(options), ctypes.byref(handle))
     return Voxels(handle, publisher)

@@ -8,33 +8,12 @@ import time
 from dataclasses import dataclass
 from typing import AsyncIterator, Iterator
 
-from ._library import NOTHING, Owned, call, library, nanoseconds
+from ._contract import CONTACT_EVENT_KIND, CONTAINMENT, DOUBT, END_REASON
+from ._library import NOTHING, Owned, call, library, nanoseconds, word
 from ._structs import CEvent
 
-KINDS = ("open", "began", "persisted", "ended", "contained", "emerged")
-CONTAINED = ("", "a_in_b", "b_in_a")
-REASONS = (
-    "",
-    "separated",
-    "removed",
-    "publisher_lost",
-    "teleported",
-    "geometry_changed",
-    "server_stopping",
-    "server_restarted",
-    "decided",
-    "crossed",
-    "fence_removed",
-    "allowed",
-)
-DOUBTS = ("", "numeric", "cost_limit", "publisher_lost")
 # How long a wait in C lasts, so that Ctrl-C is seen and another thread may close the watch.
 SLICE_S = 0.1
-
-
-def word(words: tuple[str, ...], number: int) -> str:
-    """The word of that number, or the number where a newer library has more."""
-    return words[number] if 0 <= number < len(words) else str(number)
 
 
 @dataclass(frozen=True)
@@ -73,9 +52,9 @@ def _event(told: CEvent) -> Event:
         return values[0], values[1], values[2]
 
     return Event(
-        word(KINDS, told.kind),
-        word(REASONS, told.reason),
-        word(DOUBTS, told.doubt),
+        word(CONTACT_EVENT_KIND, told.kind),
+        word(END_REASON, told.reason),
+        word(DOUBT, told.doubt),
         bool(told.resync),
         told.a.decode("utf-8", "surrogateescape"),
         told.b.decode("utf-8", "surrogateescape"),
@@ -91,7 +70,7 @@ def _event(told: CEvent) -> Event:
         told.depth_error_m,
         triple(told.relative_velocity),
         told.velocity_error,
-        word(CONTAINED, told.contained),
+        word(CONTAINMENT, told.contained),
         triple(told.surface_normal),
         told.surface_depth_m,
         told.surface_depth_error_m,

@@ -1,18 +1,6 @@
 // Recordings: MCAP files (https://mcap.dev/spec, version 0) that `collide record` or the server's flight recorder has written.
 const kFrameBytes = 33;  // of an object in History
 const kMostHistoryBytes = 256e6;
-const kPoseKinds = ["began", "persisted", "ended", "contained", "emerged"];
-const kEndReasons = ["", "separated", "removed", "publisher_lost", "teleported", "geometry_changed", "server_stopping", "server_restarted", "decided", "crossed", "fence_removed", "allowed"];
-const kDoubts = ["", "numeric", "cost_limit", "publisher_lost"];
-const kWithin = 0xfffffffe;  // in place of a triangle: the object lies wholly within the other
-const kPublisherLost = 2;
-const kLostRemove = 0;
-const kLostFreeze = 1;
-const kEntersWithInstant = 128;  // in a lost policy
-const kReplyRefused = 1;
-const kReplyProgress = 2;
-const kQuestionCommand = 5;
-const kServerStates = ["starting", "recovering", "ready", "stopping"];
 
 /// Calls hear(type, topic, t, view) with each message: the name of its type without a module, seconds since 1970, its bytes;
 /// and note(name, entries) with metadata. Returns what is wrong with the file, empty where nothing is. Throws where it is no
@@ -64,9 +52,9 @@ function readMcap(buffer, hear, note = () => {}) {
 
 // Offsets in a sample, behind five numbers, of the code of its question or answer and of its request number.
 const kCodeAt = 4 + 28;
-const requestOf = (view) => [4, 12].map((at) => view.getBigUint64(at, true).toString(16)).join(" ");
+const requestOf = (view) => [4, 12].map((at) => wideNumber(view, at)).join(" ");
 const codeOf = (view) => (view.byteLength > kCodeAt ? view.getUint8(kCodeAt) : null);
-const isCommand = (type, view) => type === "Query" && codeOf(view) === kQuestionCommand;
+const isCommand = (type, view) => type === "Query" && kQuestionKind[codeOf(view)] === "command";
 
 const jsonOf = (view) => JSON.parse(new TextDecoder().decode(view));
 
@@ -103,7 +91,7 @@ class RecordedRun {
       span.begin = Math.min(span.begin, t);
       span.end = Math.max(span.end, t);
       if (type === "Definition" || isCommand(type, view)) ++span.movers;
-      if (type === "Reply" && codeOf(view) === kReplyRefused) span.refused.add(requestOf(view));
+      if (type === "Reply" && kReplyStatus[codeOf(view)] === "refused") span.refused.add(requestOf(view));
     }, (name, entries) => {
       if (name === "recording") span.opening = Number(entries.opening_messages ?? 0);
     });
@@ -136,7 +124,7 @@ class RecordedRun {
       if (!claimed) return;
       this.objects.delete(claimed[0]);
       this.objects.set(key, { ...claimed[1], publisher: publisher_name });
-    } else this.add(key, { name, moving: Boolean(moving), layers, mask, group, publisher: publisher_name, by: publisher, lostPolicy: lost_policy & ~kEntersWithInstant, pose: [...position, ...orientation] }, shape);
+    } else this.add(key, { name, moving: Boolean(moving), layers, mask, group, publisher: publisher_name, by: publisher, lostPolicy: kLostPolicy[lost_policy & ~kPolicyEntersWithInstant], pose: [...position, ...orientation] }, shape);
     this.isTableNew = true;
   }
 
@@ -171,15 +159,15 @@ class RecordedRun {
   command({ client, request, text, blob }) {
     const key = `${client} ${request}`;
     const command = JSON.parse(text);
-    if (this.isOpening || client === "0") {
+    if (this.isOpening || client === 0) {
       if (!this.refused.has(key)) this.carryOut(command, blob, {});
     } else this.waiting.set(key, { command, blob, texts: [] });
   }
   answer({ client, request, chunk_index, chunk_count, status, text }) {
     const key = `${client} ${request}`;
     const asked = this.waiting.get(key);
-    if (status === kReplyProgress) return;
-    if (status === kReplyRefused) return this.waiting.delete(key);
+    if (kReplyStatus[status] === "progress") return;
+    if (kReplyStatus[status] === "refused") return this.waiting.delete(key);
     asked.texts[chunk_index] = text;
     if (Object.keys(asked.texts).length < chunk_count) return;
     this.waiting.delete(key);
@@ -247,8 +235,8 @@ class RecordedRun {
     this.lost.add(publisher);
     for (const [key, object] of this.objects) {
       if (object.by !== publisher) continue;
-      if (object.lostPolicy === kLostRemove) this.objects.delete(key);
-      else object.stale = object.lostPolicy === kLostFreeze;
+      if (object.lostPolicy === "remove") this.objects.delete(key);
+      else object.stale = object.lostPolicy === "freeze";
       this.isTableNew = this.arePosesNew = true;
     }
   }
@@ -259,10 +247,10 @@ class RecordedRun {
     this.tellContacts();
     const nameOf = namesOf(frame);
     const events = Array.from(frame.kinds, (kind, i) => {
-      const what = kPoseKinds[kind];
+      const what = kEventKind[kind];
       const isWithinNow = what !== "began" && what !== "emerged";  // of these the codes are about the event after, or the time before
       const event = { what, ...this.pair(frame, i, nameOf, isWithinNow), sequence: frame.first_sequence + i, episode: frame.episodes[i], time: frame.world_time_ns / 1e9 - (frame.bracket_highs[i] || 0) };
-      if (what === "ended") Object.assign(event, { why: kEndReasons[frame.reasons[i]] ?? "" });
+      if (what === "ended") Object.assign(event, { why: kEndReason[frame.reasons[i]] ?? "" });
       return event;
     });
     if (events.length) this.entries.push({ t, kind: "events", value: { events, left_out: 0 } });
@@ -284,18 +272,19 @@ class RecordedRun {
     const [a, b] = [nameOf.get(columns.a[i]) ?? "?", nameOf.get(columns.b[i]) ?? "?"];
     const vector = (of) => [...columns[of].subarray(3 * i, 3 * i + 3)];
     const told = columns.points.length > 3 * i ? { point: vector("points"), normal: vector("normals"), depth: columns.depths[i], error: columns.depth_errors[i] } : {};
-    const contained = columns.a_triangles[i] === kWithin ? "a" : columns.b_triangles[i] === kWithin ? "b" : null;
-    return { a, b, a_slot: this.slotOf(a), b_slot: this.slotOf(b), ...told, ...(columns.doubts[i] ? { doubt: kDoubts[columns.doubts[i]] ?? "numeric" } : {}), ...(isWithinNow && contained ? { contained } : {}) };
+    const contained = columns.a_triangles[i] === kTriangleWithin ? "a" : columns.b_triangles[i] === kTriangleWithin ? "b" : null;
+    return { a, b, a_slot: this.slotOf(a), b_slot: this.slotOf(b), ...told, ...(columns.doubts[i] ? { doubt: kDoubt[columns.doubts[i]] ?? "numeric" } : {}), ...(isWithinNow && contained ? { contained } : {}) };
   }
 
   state(status, t) {
-    status.publishers.forEach((publisher, i) => (status.publisher_states[i] === kPublisherLost ? this.lose(publisher) : this.lost.delete(publisher)));
+    const isLost = (i) => kPublisherState[status.publisher_states[i]] === "lost";
+    status.publishers.forEach((publisher, i) => (isLost(i) ? this.lose(publisher) : this.lost.delete(publisher)));
     if (t - (this.statusAt ?? -Infinity) < 0.5) return;
     this.statusAt = t;
     const names = zeroTerminated(status.publisher_names);
-    const publishers = names.map((name, i) => ({ name, messages: status.applied_sequences[i], silent: status.silent_ns[i] / 1e9, lost: status.publisher_states[i] === kPublisherLost }));
+    const publishers = names.map((name, i) => ({ name, messages: status.applied_sequences[i], silent: status.silent_ns[i] / 1e9, lost: isLost(i) }));
     this.entries.push({ t, kind: "status", value: {
-      type: "status", state: kServerStates[status.state] ?? "?", version_text: status.server_version, pid: status.pid, epoch: status.epoch, scenes: status.scenes.split("\n").filter(Boolean),
+      type: "status", state: kServerState[status.state] ?? "?", version_text: status.server_version, pid: status.pid, epoch: status.epoch, scenes: status.scenes.split("\n").filter(Boolean),
       objects: status.object_count, moving: status.moving_count, contacts: status.contact_count, contacts_truncated: Boolean(status.contacts_truncated), publishers,
     } });
   }

@@ -9,13 +9,15 @@
 #include <vector>
 
 #include <collided/certificate.hpp>
-#include <collided/containment.hpp>
+#include <collided/codes.hpp>
 #include <collided/questions.hpp>
 
 /// How near two groups of objects are to each other, with the pairs that decide it. Metres, world coordinates.
 #pragma GCC visibility push(default)
 
 namespace collided {
+
+using codes::Containment;
 
 /// Which pairs Client::clearance looks at, and how many it reports. A group is named by an object, by a scene (all that
 /// was loaded with it) or by a glob (* ? [..]); one that has no object is an error.

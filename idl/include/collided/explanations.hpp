@@ -101,12 +101,11 @@ struct ExplainedRay {
 
 // ---- two objects ---------------------------------------------------------------------------------------------------
 
-/// found: the least distance. touched, undecided: at that time. cut_short: the deadline was over; at_least_m holds
-enum class ExplainedApproachEnd { found, touched, undecided, cut_short };
+using codes::ApproachEnd;
 
 /// How near two objects came on their ways, not only at the poses that were sent.
 struct ExplainedApproach {
-  ExplainedApproachEnd end = ExplainedApproachEnd::found;
+  ApproachEnd end = ApproachEnd::found;
   std::chrono::nanoseconds from{0};  // the stretch that was looked at
   std::chrono::nanoseconds to{0};
   std::chrono::nanoseconds time{0};  // when they were nearest

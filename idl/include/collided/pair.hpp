@@ -7,7 +7,7 @@
 #include <vector>
 
 #include <collided/certificate.hpp>
-#include <collided/containment.hpp>
+#include <collided/codes.hpp>
 #include <collided/questions.hpp>
 
 /// Two objects by name: whether they touch, how deep they are in each other, or how far apart. Metres, world
@@ -46,12 +46,9 @@ struct TrianglePair {
   double error_m = 0;  // each end is within this distance of a point of both triangles
 };
 
-/// How another library's answer compares.
-/// agree        the same yes or no, and of objects apart a distance within a millionth of their size of ours
-/// differ       another answer
-/// failed       the library broke down or took too long
-/// unsupported  it has no answer for these shapes, or ours is undecided
-enum class OpinionVerdict { agree, differ, failed, unsupported };
+using codes::Containment;
+using codes::OpinionVerdict;
+
 /// What another library answers about the same pair. The server asks it in a separate process.
 struct SecondOpinion {
   OpinionVerdict verdict = OpinionVerdict::unsupported;

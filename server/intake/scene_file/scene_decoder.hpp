@@ -126,6 +126,7 @@ class SceneDecoder {
   static Quat rotation(const format::Quat& from, std::string_view what) {
     Quat rotation(from.w(), from.x(), from.y(), from.z());
     const double norm = rotation.norm();
+    static_assert(kUnitNormSlack == wire_contract::kUnitQuaternionSlack);
     if (!wire_contract::is_unit_quaternion(rotation)) {
       throw Flaw{fmt::format("{} has quaternion norm {}, allowed 1 +- {}", what, norm, kUnitNormSlack)};
     }

@@ -31,7 +31,7 @@ constexpr double kEventCost = 100;
 constexpr std::size_t kLastEvents = 10;
 
 ExplainedApproach told_approach(const NearestApproach& nearest) {
-  return {.end = static_cast<ExplainedApproachEnd>(nearest.end),
+  return {.end = nearest.end,
           .from = nanoseconds(nearest.from_ns),
           .to = nanoseconds(nearest.to_ns),
           .time = nanoseconds(nearest.time_ns),

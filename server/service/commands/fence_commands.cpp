@@ -10,6 +10,7 @@
 #include "server/service/commands/fence_prism.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
+#include "server/world/explain/ray_explanation.hpp"
 #include "server/world/fences/fence_outline.hpp"
 #include "server/world/fences/fences.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
@@ -23,15 +24,12 @@ namespace names = wire_contract::command;
 
 namespace {
 
-constexpr std::array<std::pair<const char*, FenceTells>, 3> kTold{
-    {{"enter", kEnter}, {"exit", kExit}, {"cross", kCross}}};
-
 std::uint8_t tells_of(const Arguments& arguments) {
   if (!arguments.has("tells")) return kTellsAll;
   std::uint8_t tells = 0;
   for (const std::string& word : arguments.texts("tells")) {
-    const auto found = std::find_if(kTold.begin(), kTold.end(), [&](const auto& told) { return word == told.first; });
-    if (found == kTold.end())
+    const auto found = std::ranges::find_if(kTellsWords, [&](const auto& told) { return word == told.first; });
+    if (found == std::end(kTellsWords))
       throw BadCommand(fmt::format("fence: 'tells' has {}; allowed: enter, exit, cross", printable(word)));
     tells |= found->second;
   }
@@ -40,7 +38,7 @@ std::uint8_t tells_of(const Arguments& arguments) {
 
 json words_of(std::uint8_t tells) {
   json words = json::array();
-  for (const auto& [word, bit] : kTold) {
+  for (const auto& [word, bit] : kTellsWords) {
     if ((tells & bit) != 0) words.push_back(word);
   }
   return words;

@@ -125,10 +125,8 @@ json MeasuringCommands::examined(const AskedPair& asked) const {
   if (asked.is_fcl_asked) {
     const auto cancelled = [this] { return threads_.are_stopping(); };
     Opinion said = fcl_opinion(asked.state(), asked.a, asked.b, report, cancelled);
-    answer.opinion = {.verdict = static_cast<collided::OpinionVerdict>(said.verdict),
-                      .touches = said.touches,
-                      .distance_m = said.distance_m,
-                      .why = std::move(said.why)};
+    answer.opinion = {
+        .verdict = said.verdict, .touches = said.touches, .distance_m = said.distance_m, .why = std::move(said.why)};
   }
   answer.version = asked.state().version;
   return json_of(answer);

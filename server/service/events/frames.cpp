@@ -13,6 +13,7 @@ void put_contact(Columns& columns, const OpenContact& of, const NameBook& book, 
   columns.doubts.push_back(static_cast<std::uint8_t>(static_cast<std::uint8_t>(of.doubt) | marks));
   columns.a.push_back(of.a);
   columns.b.push_back(of.b);
+  static_assert(kNoTriangle == wire_contract::kNoTriangle);
   const auto triangle = [&](ObjectId id, std::uint32_t own, Contained within) {
     return of.contained == within ? wire_contract::kTriangleWithin : book.triangle(id, own);
   };

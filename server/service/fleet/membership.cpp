@@ -25,8 +25,7 @@ constexpr std::size_t kMostOthers = 64;
 
 /// A role that this version does not know is taken for one that decides nothing.
 MemberRole role_in(const wire::Member& member) {
-  return member.role <= static_cast<std::uint8_t>(MemberRole::replica) ? static_cast<MemberRole>(member.role)
-                                                                       : MemberRole::replica;
+  return is_known<MemberRole>(member.role) ? static_cast<MemberRole>(member.role) : MemberRole::replica;
 }
 
 /// As much of a text as fits into a field.

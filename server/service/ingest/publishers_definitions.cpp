@@ -92,9 +92,8 @@ void Publishers::take_gap(Publisher& publisher, const DefinitionSample& sample) 
 std::optional<std::string> Publishers::why_bad(const DefinitionSample& sample) const {
   if (!sample.not_allowed.empty()) return sample.not_allowed;
   if (!is_good_name(sample.name)) return "its name is empty, too long or not text";
-  if (sample.lost_policy > static_cast<std::uint8_t>(LostPolicy::hold)) {
-    return fmt::format("lost policy {}; allowed 0 to 2", sample.lost_policy);
-  }
+  if (!codes::is_known<LostPolicy>(sample.lost_policy))
+    return fmt::format("lost policy {}; allowed 0 to {}", sample.lost_policy, codes::kCodeCount<LostPolicy> - 1);
   if (const auto* refusal = std::get_if<Refusal>(&sample.shape)) return refusal->reason;
   if (!sample.claims && std::get<Shape>(sample.shape).empty()) return "its shape is empty";
   const std::variant<Pose, Refusal> pose = checked_pose(sample.pose);

@@ -38,9 +38,9 @@ std::optional<std::string> why_bad_chunk(const wire::Query& query, std::size_t q
 }
 
 template <class Code>
-std::optional<std::string> why_unknown(const char* noun, std::uint8_t code, Code last) {
-  if (code <= static_cast<std::uint8_t>(last)) return std::nullopt;
-  return fmt::format("{} {} is not known; allowed 0 to {}", noun, code, static_cast<unsigned>(last));
+std::optional<std::string> why_unknown(const char* noun, std::uint8_t code) {
+  if (wire_contract::is_known<Code>(code)) return std::nullopt;
+  return fmt::format("{} {} is not known; allowed 0 to {}", noun, code, wire_contract::kCodeCount<Code> - 1);
 }
 
 std::optional<std::string> why_bad_filter(const wire::Query& query) {
@@ -114,10 +114,7 @@ double cost_of(const wire::Query& query) {
 }
 
 std::optional<std::string> why_refused(const wire::Query& query) {
-  if (query.kind > static_cast<std::uint8_t>(wire_contract::kLastKind)) {
-    return fmt::format("question kind {} is not known; allowed 0 to {}", query.kind,
-                       static_cast<unsigned>(wire_contract::kLastKind));
-  }
+  if (auto reason = why_unknown<QuestionKind>("question kind", query.kind)) return reason;
   const auto kind = static_cast<QuestionKind>(query.kind);
   if (wire::question_columns(kind).empty()) return std::nullopt;
   const std::optional<std::uint32_t> count = wire::question_count(query);
@@ -129,11 +126,11 @@ std::optional<std::string> why_refused(const wire::Query& query) {
   if (kind == QuestionKind::what_if && std::uint64_t{*count} * wire::moved_count(query) > kMaxPosesPerChunk)
     return fmt::format("a chunk of {} poses; allowed {}", std::uint64_t{*count} * wire::moved_count(query),
                        kMaxPosesPerChunk);
-  if (auto reason = why_unknown("hit mode", query.mode, HitMode::verdict)) return reason;
+  if (auto reason = why_unknown<HitMode>("hit mode", query.mode)) return reason;
   if (!has_mode(kind, static_cast<HitMode>(query.mode)))
     return fmt::format("{} questions do not have hit mode {}", wire_contract::name_of(kind), query.mode);
-  if (auto reason = why_unknown("importance", query.importance, Importance::high)) return reason;
-  if (auto reason = why_unknown("instant", query.instant, AskedInstant::Kind::back)) return reason;
+  if (auto reason = why_unknown<Importance>("importance", query.importance)) return reason;
+  if (auto reason = why_unknown<AskedInstant::Kind>("instant", query.instant)) return reason;
   if (query.max_hits == 0 || query.max_hits > wire_contract::kMaxHitsPerChunk) {
     return fmt::format("max_hits {}; allowed 1 to {}", query.max_hits, wire_contract::kMaxHitsPerChunk);
   }

@@ -14,7 +14,7 @@ struct QuestionCounts {
   std::atomic<std::uint64_t> answered{0};
   std::atomic<std::uint64_t> refused{0};    // requests, or single chunks of them
   std::atomic<std::uint64_t> undecided{0};  // answers
-  static constexpr std::size_t kKinds = static_cast<std::size_t>(wire_contract::kLastKind) + 1;
+  static constexpr std::size_t kKinds = wire_contract::kCodeCount<wire_contract::QuestionKind>;
   // By QuestionKind, then by the level that deciding the question needed: 0 filter in double, 1 error-free sums, 2
   // rationals.
   std::array<std::array<std::atomic<std::uint64_t>, 3>, kKinds> levels{};

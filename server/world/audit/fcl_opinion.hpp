@@ -5,13 +5,14 @@
 #include <optional>
 #include <string>
 
+#include "collided/codes.hpp"
 #include "server/world/audit/opinion_request.hpp"
 #include "server/world/query/pair_report.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine {
 
-enum class OpinionVerdict : std::uint8_t { agree, differ, failed, unsupported };
+using codes::OpinionVerdict;
 
 /// What FCL says to a pair that has been answered here.
 struct Opinion {

@@ -13,9 +13,7 @@ namespace collided::engine {
 using codes::Doubt;
 using codes::EndReason;
 using codes::EventKind;
-
-/// In b_triangle of the end of who was nearest: another one is at once, which the next event says.
-inline constexpr std::uint32_t kNearestGoesOn = 1;
+using codes::kNearestGoesOn;
 
 /// One contact that holds, of objects a < b (by id), from its `began` to its `ended`.
 struct OpenContact {

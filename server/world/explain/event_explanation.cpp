@@ -78,11 +78,10 @@ std::optional<ExplainedGap> gap_at(const PoseMemory& memory, std::int64_t time_n
   return gap;
 }
 
-const char* word_of_kind(EventKind kind, bool is_of_fence, ObjectId fence) {
-  static constexpr const char* kContacts[] = {"began", "persisted", "ended", "contained", "emerged"};
+std::string_view word_of_kind(EventKind kind, bool is_of_fence, ObjectId fence) {
   if (is_nearest_question(fence)) return kind == EventKind::began ? "nearest" : "no longer nearest";
   if (is_of_fence) return kind == EventKind::began ? "enter" : "exit";
-  return kContacts[static_cast<std::size_t>(kind)];
+  return name_of(kind);
 }
 
 /// What the event itself said. A band's fence has its margin, object and distance in its name, a line each.
@@ -90,7 +89,7 @@ ExplainedEvent told_event(const RecentEvent& recent, bool is_of_fence) {
   const Event& event = recent.event;
   ExplainedEvent told{.sequence = event.sequence,
                       .of = is_of_fence ? EventsOf::fences : EventsOf::contacts,
-                      .what = word_of_kind(event.kind, is_of_fence, event.of.b),
+                      .what = std::string(word_of_kind(event.kind, is_of_fence, event.of.b)),
                       .why = std::string(name_of(event.reason)),
                       .doubt = std::string(name_of(event.of.doubt)),
                       .a = recent.a,

@@ -59,7 +59,7 @@ class FenceSearch {
     told_.only = fence_.rule.only;
     told_.skip = fence_.rule.skip;
     told_.mask = fence_.rule.mask;
-    for (const auto& [word, bit] : {std::pair("enter", kEnter), std::pair("exit", kExit), std::pair("cross", kCross)}) {
+    for (const auto& [word, bit] : kTellsWords) {
       if ((fence_.rule.tells & bit) != 0) told_.tells.emplace_back(word);
     }
     told_.keep = fence_.rule.owner == 0;

@@ -4,16 +4,19 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
+#include "collided/codes.hpp"
 #include "server/world/fences/margin.hpp"
 #include "server/world/fences/nearest.hpp"
 #include "server/world/objects/object.hpp"
 
 namespace collided::engine {
 
-/// What a fence tells of an object: that it came in, that it went out, and that it was in and out again between two
-/// poses. Without kCross such a passage is told as the first two.
-enum FenceTells : std::uint8_t { kEnter = 1, kExit = 2, kCross = 4, kTellsAll = 7 };
+/// What a fence reports of an object, with the words of commands (kTellsEnter).
+inline constexpr std::pair<const char*, std::uint8_t> kTellsWords[]{
+    {"enter", codes::kTellsEnter}, {"exit", codes::kTellsExit}, {"cross", codes::kTellsCross}};
+inline constexpr std::uint8_t kTellsAll = codes::kTellsEnter | codes::kTellsExit | codes::kTellsCross;
 
 /// A region that stands in the world, or moves along with an object, and of which it is told which objects are in it.
 /// It touches nothing and no question meets it.
@@ -26,7 +29,7 @@ struct FenceDefinition {
   std::string only = {};                        // name glob of the objects that it looks at; empty: all that move
   std::string skip = {};                        // name glob of those that it leaves out; empty: none
   std::uint32_t mask = 0xffffffff;              // an object's layers must have a bit of it
-  std::uint8_t tells = kTellsAll;               // FenceTells
+  std::uint8_t tells = kTellsAll;               // kTells... bits
   std::uint64_t owner = 0;                      // for whoever defines it; the world does not read it
   // A margin: instead of a shape that stands in the world, bands about objects; `only` is whom they look at.
   std::optional<MarginBands> margin = {};

@@ -1,11 +1,10 @@
 #pragma once
 
-#include <cstdint>
+#include "collided/codes.hpp"
 
 namespace collided::engine {
 
-/// Whether one of two objects lies wholly within the other, without meeting its surface.
-enum class Contained : std::uint8_t { none, a_in_b, b_in_a };
+using Contained = codes::Containment;
 
 /// The same with the two named the other way round.
 inline Contained turned_round(Contained which) {

@@ -23,11 +23,11 @@ inline std::uint32_t slot_of(ObjectId id) { return static_cast<std::uint32_t>(id
 /// Of the slot's objects, from 1.
 inline std::uint32_t generation_of(ObjectId id) { return static_cast<std::uint32_t>(id >> 32); }
 
-/// In the id of a fence, and of no object; a fence has slots of its own.
-inline constexpr ObjectId kFenceBit = ObjectId{1} << 63;
+/// A fence has slots of its own.
+using codes::kFenceBit;
 inline bool is_fence(ObjectId id) { return (id & kFenceBit) != 0; }
-/// In the id of a fence that is a question that stays for the nearest object; the generation is less.
-inline constexpr ObjectId kNearestBit = ObjectId{1} << 62;
+/// The generation of an object is less.
+using codes::kNearestBit;
 inline bool is_nearest_question(ObjectId id) { return is_fence(id) && (id & kNearestBit) != 0; }
 
 using codes::LostPolicy;

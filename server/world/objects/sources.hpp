@@ -7,13 +7,14 @@
 #include <unordered_map>
 #include <vector>
 
+#include "collided/codes.hpp"
+
 namespace collided::engine {
 
 /// The instant up to which an object that never moves is known.
 inline constexpr std::int64_t kForEver = std::numeric_limits<std::int64_t>::max();
 
-/// A publisher's gap (Source::gap_ns) where it gives no other.
-inline constexpr std::int64_t kDefaultGapNs = 1'500'000'000;
+using codes::kDefaultGapNs;
 
 /// One publisher's time: the instant up to which its objects' poses are known.
 struct Source {

@@ -16,7 +16,6 @@ namespace collided::engine {
 namespace {
 
 using PathPiece = PoseMemory::RememberedPath::PathPiece;
-using ApproachEnd = NearestApproach::ApproachEnd;
 
 constexpr std::uint32_t kMostLooks = 20'000;
 constexpr double kGoodEnough = 1e-3;  // of the distance

@@ -2,22 +2,19 @@
 
 #include <cstdint>
 
+#include "collided/codes.hpp"
 #include "server/world/objects/deadline.hpp"
 #include "server/world/objects/snapshot.hpp"
 #include "server/world/query/pose_memory.hpp"
 
 namespace collided::engine {
 
+using codes::ApproachEnd;
+
 /// How near two objects came to each other within a stretch of time.
 struct NearestApproach {
-  enum class ApproachEnd : std::uint8_t {
-    found,      // at_least_m is within a thousandth of distance_m, or a micrometre
-    touched,    // at time_ns they share a point; when that began is for events to say
-    undecided,  // at time_ns whether they touch is not decided
-    cut_short,  // the deadline was over, or too many looks were needed: at_least_m holds, but may be far from distance_m
-  };
-  ApproachEnd end = ApproachEnd::found;
-  std::int64_t from_ns = 0;  // the stretch, world time: both were there, and where is known
+  ApproachEnd end = ApproachEnd::found;  // found: at_least_m is within a thousandth of distance_m, or a micrometre
+  std::int64_t from_ns = 0;              // the stretch, world time: both were there, and where is known
   std::int64_t to_ns = 0;
   std::int64_t time_ns = 0;  // of the least distance found
   double distance_m = 0;     // there

@@ -7,9 +7,9 @@
 namespace collided {
 namespace {
 
-constexpr std::uint32_t kTellsEnter = 1;
-constexpr std::uint32_t kTellsExit = 2;
-constexpr std::uint32_t kTellsCross = 4;
+using codes::kTellsCross;
+using codes::kTellsEnter;
+using codes::kTellsExit;
 
 Event event_of(EventKind kind, std::uint32_t tells, std::uint64_t sequence, EndReason reason = EndReason::none) {
   Event event;

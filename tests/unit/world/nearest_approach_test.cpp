@@ -92,12 +92,12 @@ TEST_F(NearestApproachTest, NoInstantIsNearerThanWhatIsSaid) {
     double sampled_m = INFINITY;
     for (std::int64_t time_ns = found.from_ns; time_ns <= last_a_ns; time_ns += kTick / 37)
       sampled_m = std::min(sampled_m, distance_at(a, b, time_ns));
-    if (found.end == NearestApproach::ApproachEnd::touched) {
+    if (found.end == ApproachEnd::touched) {
       ++touched;
       EXPECT_LT(distance_at(a, b, found.time_ns), 1e-6) << "round " << round;
       continue;
     }
-    ASSERT_EQ(found.end, NearestApproach::ApproachEnd::found) << "round " << round;
+    ASSERT_EQ(found.end, ApproachEnd::found) << "round " << round;
     EXPECT_LE(found.at_least_m, sampled_m + 1e-9) << "round " << round;
     EXPECT_GE(found.at_least_m, found.distance_m - found.error_m - std::max(1e-3 * found.distance_m, 1e-6));
     EXPECT_LE(found.distance_m, sampled_m * (1 + 1e-3) + 1e-6) << "round " << round;
@@ -114,7 +114,7 @@ TEST_F(NearestApproachTest, APassBetweenTwoPosesIsFoundAtItsTime) {
   say(7, kStart + kSecond, ball, {.position = {-2, 0, 0}});
   say(7, kStart + 2 * kSecond, ball, {.position = {2, 0, 0}});
   const NearestApproach found = nearest(ball, point);
-  EXPECT_EQ(found.end, NearestApproach::ApproachEnd::found);
+  EXPECT_EQ(found.end, ApproachEnd::found);
   EXPECT_NEAR(found.distance_m, 0.032, 4e-5);
   EXPECT_LE(found.at_least_m, 0.032);
   EXPECT_GE(found.at_least_m, 0.0319);
@@ -131,7 +131,7 @@ TEST_F(NearestApproachTest, ADeadlineThatIsOverLeavesABoundThatHolds) {
   say(7, kStart + kSecond, a, {.position = {-2, 0, 0}});
   say(7, kStart + 2 * kSecond, a, {.position = {2, 0, 0}});
   const NearestApproach found = nearest(a, b, 0, 1);
-  EXPECT_EQ(found.end, NearestApproach::ApproachEnd::cut_short);
+  EXPECT_EQ(found.end, ApproachEnd::cut_short);
   EXPECT_LE(found.at_least_m, 0.1);
 }
 
