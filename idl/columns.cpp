@@ -8,9 +8,7 @@ namespace {
 
 using wire_contract::QuestionKind;
 
-constexpr dds_sequence_double Query::*kQuestionSequences[] = {
-    &Query::points,     &Query::directions,   &Query::lengths,    &Query::radii,
-    &Query::half_sizes, &Query::orientations, &Query::end_points, &Query::end_orientations};
+constexpr auto kQuestionColumns = number_columns<QueryColumns>();
 
 }  // namespace
 
@@ -34,10 +32,10 @@ Columns<Reply> hit_columns(const Reply& reply) {
 
 std::optional<std::uint32_t> question_count(const Query& query) {
   const Columns<Query> columns = question_columns(static_cast<QuestionKind>(query.kind));
-  for (const auto sequence : kQuestionSequences) {
+  for (const Column<Query>& each : kQuestionColumns) {
     const bool is_own =
-        std::any_of(columns.begin(), columns.end(), [&](const auto& column) { return column.sequence == sequence; });
-    if (!is_own && (query.*sequence)._length > 0) return std::nullopt;
+        std::any_of(columns.begin(), columns.end(), [&](const auto& own) { return own.sequence == each.sequence; });
+    if (!is_own && (query.*each.sequence)._length > 0) return std::nullopt;
   }
   const std::optional<std::uint32_t> rows = row_count(query, columns);
   if (!rows || query.kind != static_cast<std::uint8_t>(QuestionKind::what_if)) return rows;
@@ -53,13 +51,13 @@ std::uint32_t moved_count(const Query& query) {
 
 std::size_t bytes_of(const Query& query) {
   std::size_t bytes = sizeof(Query) + query.blob._length;
-  for (const auto sequence : kQuestionSequences) bytes += (query.*sequence)._length * sizeof(double);
+  for (const auto& column : kQuestionColumns) bytes += (query.*column.sequence)._length * sizeof(double);
   return bytes;
 }
 
 std::size_t room_of(const Query& query) {
   std::size_t bytes = sizeof(Query) + query.blob._maximum;
-  for (const auto sequence : kQuestionSequences) bytes += (query.*sequence)._maximum * sizeof(double);
+  for (const auto& column : kQuestionColumns) bytes += (query.*column.sequence)._maximum * sizeof(double);
   return bytes;
 }
 
@@ -89,24 +87,24 @@ void copy_part(const Sequence& from, std::uint32_t first, std::uint32_t count, S
 
 void split_questions(Query& from, std::uint32_t first, Query& to) {
   const std::uint32_t count = question_count(from).value_or(0);
-  std::array<dds_sequence_double, std::size(kQuestionSequences)> memory;
-  std::ranges::transform(kQuestionSequences, memory.begin(), [&](auto sequence) { return to.*sequence; });
+  std::array<dds_sequence_double, kQuestionColumns.size()> memory;
+  std::ranges::transform(kQuestionColumns, memory.begin(), [&](const auto& column) { return to.*column.sequence; });
   auto blob = to.blob;
   to = from;
   copy_part(from.blob, 0, from.blob._length, blob);
   to.blob = blob;
   for (std::size_t i = 0; i < memory.size(); ++i) {
-    dds_sequence_double& column = from.*kQuestionSequences[i];
+    dds_sequence_double& column = from.*kQuestionColumns[i].sequence;
     const std::uint32_t kept = column._length / count * first;
     copy_part(column, kept, column._length - kept, memory[i]);
-    to.*kQuestionSequences[i] = memory[i];
+    to.*kQuestionColumns[i].sequence = memory[i];
     column._length = kept;
   }
   to.first_question += first;
 }
 
 void clear_questions(Query& query) {
-  for (const auto sequence : kQuestionSequences) dds::borrow(query.*sequence, std::span<const double>());
+  for (const auto& column : kQuestionColumns) dds::borrow(query.*column.sequence, std::span<const double>());
 }
 
 }  // namespace collided::wire

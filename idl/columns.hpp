@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -23,30 +24,6 @@ struct Column {
   std::uint32_t width;  // numbers of a row: 1, 3 or 4
 };
 
-inline constexpr Column<Query> kRayColumns[] = {{&Query::points, 3}, {&Query::directions, 3}, {&Query::lengths, 1}};
-inline constexpr Column<Query> kSphereColumns[] = {{&Query::points, 3}, {&Query::radii, 1}};
-inline constexpr Column<Query> kBoxColumns[] = {
-    {&Query::points, 3}, {&Query::half_sizes, 3}, {&Query::orientations, 4}};
-inline constexpr Column<Query> kNearColumns[] = {{&Query::points, 3}, {&Query::lengths, 1}};
-inline constexpr Column<Query> kInsideColumns[] = {{&Query::points, 3}};
-/// A row for each pose: a configuration is as many as the question names objects.
-inline constexpr Column<Query> kWhatIfColumns[] = {{&Query::points, 3}, {&Query::orientations, 4}};
-inline constexpr Column<Query> kSweepColumns[] = {
-    {&Query::points, 3}, {&Query::orientations, 4}, {&Query::end_points, 3}, {&Query::end_orientations, 4}};
-inline constexpr Column<PoseBatch> kPoseColumns[] = {{&PoseBatch::positions, 3}, {&PoseBatch::orientations, 4}};
-inline constexpr Column<PoseBatch> kVelocityColumns[] = {{&PoseBatch::linear_velocities, 3},
-                                                         {&PoseBatch::angular_velocities, 3}};
-inline constexpr Column<Reply> kHitColumns[] = {
-    {&Reply::distances, 1}, {&Reply::distance_errors, 1}, {&Reply::exits, 1},       {&Reply::points, 3},
-    {&Reply::normals, 3},   {&Reply::weights, 3},         {&Reply::point_errors, 1}};
-/// A hit of a sweep begins with the end of the bracket, its width and its beginning; the rest is as in other hits.
-inline constexpr Column<Reply> kSweepHitColumns[] = {
-    {&Reply::sweep_ends, 1}, {&Reply::sweep_widths, 1}, {&Reply::sweep_begins, 1}, {&Reply::points, 3},
-    {&Reply::normals, 3},    {&Reply::weights, 3},      {&Reply::point_errors, 1}};
-inline constexpr Column<Reply> kUncoveredColumns[] = {{&Reply::uncovered_points, 3}, {&Reply::uncovered_distances, 1}};
-template <class Message>
-using Columns = std::span<const Column<Message>>;
-
 /// The columns of numbers in a message whose columns have an entry for each row.
 template <class Columns>
 constexpr auto number_columns() {
@@ -64,9 +41,40 @@ constexpr auto number_columns() {
   });
   return columns;
 }
+/// Those of these sequences, as wide as the contract has them.
+template <class Columns, auto... kSequences>
+constexpr auto columns_of() {
+  constexpr auto kAll = number_columns<Columns>();
+  return std::array{*std::ranges::find(kAll, kSequences, &Column<typename Columns::Message>::sequence)...};
+}
+
+inline constexpr auto kRayColumns = columns_of<QueryColumns, &Query::points, &Query::directions, &Query::lengths>();
+inline constexpr auto kSphereColumns = columns_of<QueryColumns, &Query::points, &Query::radii>();
+inline constexpr auto kBoxColumns =
+    columns_of<QueryColumns, &Query::points, &Query::half_sizes, &Query::orientations>();
+inline constexpr auto kNearColumns = columns_of<QueryColumns, &Query::points, &Query::lengths>();
+inline constexpr auto kInsideColumns = columns_of<QueryColumns, &Query::points>();
+/// A row for each pose: a configuration is as many as the question names objects.
+inline constexpr auto kWhatIfColumns = columns_of<QueryColumns, &Query::points, &Query::orientations>();
+inline constexpr auto kSweepColumns =
+    columns_of<QueryColumns, &Query::points, &Query::orientations, &Query::end_points, &Query::end_orientations>();
+inline constexpr auto kPoseColumns = columns_of<PoseBatchColumns, &PoseBatch::positions, &PoseBatch::orientations>();
+inline constexpr auto kVelocityColumns =
+    columns_of<PoseBatchColumns, &PoseBatch::linear_velocities, &PoseBatch::angular_velocities>();
+inline constexpr auto kHitColumns =
+    columns_of<ReplyColumns, &Reply::distances, &Reply::distance_errors, &Reply::exits, &Reply::points, &Reply::normals,
+               &Reply::weights, &Reply::point_errors>();
+/// A hit of a sweep begins with the end of the bracket, its width and its beginning; the rest is as in other hits.
+inline constexpr auto kSweepHitColumns =
+    columns_of<ReplyColumns, &Reply::sweep_ends, &Reply::sweep_widths, &Reply::sweep_begins, &Reply::points,
+               &Reply::normals, &Reply::weights, &Reply::point_errors>();
+inline constexpr auto kUncoveredColumns =
+    columns_of<ReplyColumns, &Reply::uncovered_points, &Reply::uncovered_distances>();
 inline constexpr auto kEventColumns = number_columns<EventFrameColumns>();
 inline constexpr auto kContactColumns = number_columns<ContactShardColumns>();
 inline constexpr auto kProbeColumns = number_columns<ProbeFrameColumns>();
+template <class Message>
+using Columns = std::span<const Column<Message>>;
 
 /// Empties all columns; they keep their memory.
 template <class Columns>
@@ -108,6 +116,8 @@ constexpr std::uint32_t width_of(Columns<Message> columns) {
   for (const Column<Message>& column : columns) width += column.width;
   return width;
 }
+static_assert(width_of<PoseBatch>(kVelocityColumns) == wire_contract::kVelocityNumbers);
+static_assert(width_of<Reply>(kHitColumns) == wire_contract::kHitNumbers);
 
 /// Number of rows; nothing where the columns differ in length.
 template <class Message>

@@ -191,6 +191,13 @@ def width_of(comment):
     return int(each[1]) if each else 1
 
 
+def member_of(column, comment):
+    """The member of a row that a column holds: "depths", in metres, has each row's depth_m."""
+    one = re.sub(r"ies$", "y", column) if column.endswith("ies") else re.sub(r"(?<!_n)s$", "", column)
+    unit = re.match(r" (m|s)\b(?!/)", comment)
+    return f"{one}_{unit[1]}" if unit else one
+
+
 def message_as_cpp(name, members):
     fields = " ".join(f"field(s.{member[1]});" for member in members)
     columns = [(re.fullmatch(r"sequence<([\w ]+)>", kind)[1], member, width_of(comment))
@@ -201,7 +208,13 @@ def message_as_cpp(name, members):
     lines += ["  template <class Visit>", "  static constexpr void for_each(const Visit& visit) {"]
     lines += [f"    visit(&{name}::{member}, &{name}Columns::{member}, {width}U);" for _, member, width in columns]
     lines += ["  }", "};"]
-    return "\n".join(lines)
+    rows = [(member, member_of(member, comment)) for kind, member, _, comment in members
+            if kind.startswith("sequence<") and width_of(comment)]
+    lines += ["template <class Row>", f"void put_row({name}Columns& to, const Row& row) {{"]
+    lines += [f"  if constexpr (requires {{ put(to.{column}, row.{one}); }}) put(to.{column}, row.{one});" for column, one in rows]
+    lines += ["}", "template <class Row>", f"void take_row(const {name}& from, std::size_t i, Row& row) {{"]
+    lines += [f"  if constexpr (requires {{ take(from.{column}, i, row.{one}); }}) take(from.{column}, i, row.{one});" for column, one in rows]
+    return "\n".join([*lines, "}"])
 
 
 def messages_header(idl):
@@ -210,6 +223,7 @@ def messages_header(idl):
 #pragma once
 
 #include <concepts>
+#include <cstddef>
 #include <cstdint>
 #include <type_traits>
 #include <vector>
@@ -221,11 +235,31 @@ namespace collided::wire {{
 template <class Sample, class Wire>
 concept SampleOf = std::same_as<std::remove_const_t<Sample>, Wire>;
 
+template <class Member>
+concept Number = std::is_arithmetic_v<Member> || std::is_enum_v<Member>;
+/// -0 goes as 0.
+template <class Value, Number Member>
+void put(std::vector<Value>& column, Member value) {{
+  if constexpr (std::is_floating_point_v<Member>) column.push_back(value + 0.0);
+  else column.push_back(static_cast<Value>(value));
+}}
+void put(std::vector<double>& column, const auto& vector) requires requires {{ vector.x(); }} {{
+  for (const double x : vector) put(column, x);
+}}
+template <class Sequence, class Member>
+void take(const Sequence& column, std::size_t row, Member& to) requires(Number<Member> || requires {{ to.x(); }}) {{
+  if constexpr (Number<Member>) to = static_cast<Member>(column._buffer[row]);
+  else to = Member(column._buffer[3 * row], column._buffer[3 * row + 1], column._buffer[3 * row + 2]);
+}}
+
 // Of each message:
 // for_each_field(sample, field)  calls field() with every member in the order of the IDL: numbers, bool, char[N], double[N],
 //                                sequences of numbers
 // ...Columns                     its sequences as vectors; for_each(visit) calls visit(sequence, vector, numbers an entry)
 //                                with the members' pointers. 0 numbers: the column has entries of its own
+// put_row(columns, row)          adds those members of a struct that are named as one entry of a column with an entry for
+//                                each row: depth_m to depths, which are in metres
+// take_row(message, i, row)      the same the other way
 
 {body}
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What idl/generate.py makes of small IDL files, word by word.  generator.py SOURCES"""
+"""What idl/generate.py makes of small IDL files, and client/generate.py of small headers, word by word.  generator.py SOURCES"""
 import importlib.util
 import pathlib
 import sys
@@ -60,26 +60,130 @@ MESSAGES = [
     "struct CoursesColumns {\n  using Message = Courses;\n  std::vector<std::uint8_t> kinds;\n  std::vector<double> points;\n",
     "visit(&Courses::kinds, &CoursesColumns::kinds, 1U);\n    visit(&Courses::points, &CoursesColumns::points, 3U);\n",
     "visit(&Courses::lengths, &CoursesColumns::lengths, 1U);\n    visit(&Courses::names, &CoursesColumns::names, 0U);\n",
+    "void put_row(CoursesColumns& to, const Row& row) {\n  if constexpr (requires { put(to.kinds, row.kind); }) put(to.kinds, row.kind);\n",
+    "  if constexpr (requires { take(from.points, i, row.point); }) take(from.points, i, row.point);\n"
+    "  if constexpr (requires { take(from.lengths, i, row.length_m); }) take(from.lengths, i, row.length_m);\n}",
 ]
+
+EVENTS_HPP = """\
+using codes::EndReason;
+using EventKind = codes::CourseEventKind;
+
+/// News of a course.
+struct Event {
+  EventKind kind = EventKind::began;
+  EndReason reason = EndReason::none;  // why
+  /// Two lines before it
+  /// are one.
+  bool resync = false;
+  std::string from;
+  std::uint64_t a_id = 0;
+  std::uint32_t a_triangle = kNoTriangle;
+  std::chrono::nanoseconds world_time{0};  // of the step
+  double bracket_low_s = 0;                // between these
+  double bracket_high_s = 0;
+  double depth_m = 0;
+  Vec3 point = Vec3::Zero();
+  struct Forecast {
+    double low_s = 0;
+    double high_s = 0;
+  };
+  std::optional<Forecast> contact_in = {};
+};
+"""
+COLLIDED_H = """\
+typedef enum collided_code { COLLIDED_OK = 0, COLLIDED_BAD = 2 } collided_code;
+typedef struct collided_client collided_client;
+typedef struct collided_options {
+  uint32_t size; /* a comment; with a semicolon */
+  collided_lost_policy lost;
+  const char* name;
+  const char* const* peers;
+  const double* bands;
+  char message[16];
+} collided_options;
+COLLIDED_API const char* collided_version(void);
+COLLIDED_API int collided_ask(collided_client* client, const double* rays, const collided_options* options,
+                              collided_client** out);
+"""
+LENDING = {
+    "include/collided/events.h": [
+        "/* News of a course. */\ntypedef struct collided_event {\n  uint32_t size;\n  collided_course_event_kind kind;\n"
+        "  /* why */\n  collided_end_reason reason;\n  /* Two lines before it are one. */\n  int32_t resync;\n  const char* from;\n",
+        "  int32_t has_contact_in;\n  double contact_in_low_s;\n  double contact_in_high_s;\n} collided_event;\n",
+    ],
+    "client/library/c/lent_events.hpp": [
+        "inline collided_event lent(const Event& event) {\n  collided_event told{};\n  told.size = sizeof told;\n"
+        "  told.kind = static_cast<std::int32_t>(event.kind);\n",
+        "  told.from = event.from.c_str();\n",
+        "  told.world_time_ns = event.world_time.count();\n  told.bracket_low_s = event.bracket_low_s;\n",
+        "  put(event.point, told.point);\n  told.has_contact_in = event.contact_in ? 1 : 0;\n"
+        "  if (event.contact_in) told.contact_in_low_s = event.contact_in->low_s;\n",
+    ],
+    "client/python/collided/_events.py": [
+        '    """News of a course."""\n\n    kind: str\n    #: why\n    reason: str\n    #: Two lines before it are one.\n'
+        "    resync: bool\n    from_object: str\n    a_id: int\n    a_triangle: int | None\n    #: of the step\n"
+        "    world_time_ns: int\n    #: between these\n    bracket: tuple[float, float]\n    depth: float\n",
+        "        word(COURSE_EVENT_KIND, told.kind),\n",
+        '        text(getattr(told, "from")),\n',
+        "        None if told.a_triangle == NO_TRIANGLE else told.a_triangle,\n",
+        "        (told.bracket_low_s, told.bracket_high_s),\n        told.depth_m,\n",
+        "        (told.contact_in_low_s, told.contact_in_high_s) if told.has_contact_in else None,\n",
+    ],
+    "client/python/collided/_structs.py": [
+        "OK = 0\nBAD = 2\n",
+        '        ("world_time_ns", c_int64),\n',
+        'class COptions(Structure):\n    _fields_ = [\n        ("size", c_uint32),\n        ("lost", c_int32),\n'
+        '        ("name", c_char_p),\n        ("peers", POINTER(c_char_p)),\n        ("bands", c_void_p),\n'
+        '        ("message", c_char * 16),\n    ]\n',
+        '    "version": (c_char_p, []),\n    "ask": (c_int32, [c_void_p, c_void_p, POINTER(COptions), c_void_p]),\n',
+    ],
+}
+
+
+def module_at(place):
+    spec = importlib.util.spec_from_file_location(place.parent.name, place)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+def lacking(build, expected):
+    texts = {output: (build / output).read_text(encoding="utf-8") for output in expected}
+    return [f"{output} lacks\n{piece}" for output, pieces in expected.items() for piece in pieces if piece not in texts[output]]
+
+
+def lending_faults(generate):
+    generate.EVENTS = {"Event": "events.hpp"}
+    with tempfile.TemporaryDirectory() as folder:
+        build, events = pathlib.Path(folder), pathlib.Path(folder) / "collided" / "events.hpp"
+        events.parent.mkdir()
+        events.write_text(EVENTS_HPP, encoding="utf-8")
+        (build / "collided.h").write_text(COLLIDED_H, encoding="utf-8")
+        generate.main(build, build)
+        faults = lacking(build, LENDING)
+        events.write_text(EVENTS_HPP.replace("double depth_m = 0", "std::vector<double> depths"), encoding="utf-8")
+        try:
+            generate.main(build, build)
+            faults.append("a member of an unknown type was taken")
+        except SystemExit as refused:
+            if "vector<double>" not in str(refused):
+                faults.append(f"the refusal of an unknown type says {refused}")
+    return faults
 
 
 def main(sources):
-    place = pathlib.Path(sources) / "idl" / "generate.py"
-    spec = importlib.util.spec_from_file_location("generate", place)
-    generate = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(generate)
+    generate = module_at(pathlib.Path(sources) / "idl" / "generate.py")
     expected = {"include/collided/codes.hpp": CODES, "include/collided/codes.h": C_CODES, "idl/messages.hpp": MESSAGES,
                 "client/python/collided/_contract.py": PYTHON, "client/view/contract.js": PAGE}
-    faults = []
+    faults = lending_faults(module_at(pathlib.Path(sources) / "client" / "generate.py"))
     with tempfile.TemporaryDirectory() as folder:
         build = pathlib.Path(folder)
         idl, client_idl = build / "a.idl", build / "client.idl"
         idl.write_text(IDL, encoding="utf-8")
         client_idl.write_text(CLIENT_IDL, encoding="utf-8")
         generate.main(build, idl, client_idl)
-        for output, pieces in expected.items():
-            text = (build / output).read_text(encoding="utf-8")
-            faults += [f"{output} lacks\n{piece}" for piece in pieces if piece not in text]
+        faults += lacking(build, expected)
         if "COURSE" in (build / "include/collided/codes.h").read_text(encoding="utf-8"):
             faults.append("C has codes that its interface does not use")
         codes = build / "include/collided/codes.hpp"
@@ -94,7 +198,7 @@ def main(sources):
         except SystemExit as refused:
             if "no enumerations" not in str(refused):
                 faults.append(f"the refusal says {refused}")
-    print("\n".join(faults) or f"{sum(map(len, expected.values()))} pieces as expected")
+    print("\n".join(faults) or f"{sum(map(len, [*expected.values(), *LENDING.values()]))} pieces as expected")
     sys.exit(1 if faults else 0)
 
 

@@ -4,7 +4,6 @@
 #include <array>
 #include <thread>
 
-#include "client/library/asking/vector_column.hpp"
 #include "client/library/commands/command.hpp"
 #include "client/library/commands/json_reading.hpp"
 #include "client/library/connection/wait_until.hpp"
@@ -84,20 +83,16 @@ bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReadin
   names.learn(dds::view(frame.named_ids), dds::view(frame.names));
   const auto name = [&](std::uint64_t id) { return id == 0 ? std::string() : names.name(id); };
   for (std::size_t i = 0; i < probes.size(); ++i) {
-    const std::uint8_t state = dds::view(frame.states)[i];
-    readings.push_back(
-        {.probe = std::string(probes[i]),
-         .object = name(dds::view(frame.objects)[i]),
-         .state = codes::is_known<Clearance>(state) ? static_cast<Clearance>(state) : Clearance::undecided,
-         .clearance_m = dds::view(frame.clearances)[i],
-         .error_m = dds::view(frame.clearance_errors)[i],
-         .met = name(dds::view(frame.met)[i]),
-         .triangle = dds::view(frame.triangles)[i],
-         .point = vector_in(frame.points, i),
-         .normal = vector_in(frame.normals, i),
-         .epoch = frame.epoch,
-         .version = frame.version,
-         .world_time = std::chrono::nanoseconds(frame.world_time_ns)});
+    ProbeReading& reading = readings.emplace_back();
+    wire::take_row(frame, i, reading);
+    if (!codes::is_known<Clearance>(dds::view(frame.states)[i])) reading.state = Clearance::undecided;
+    reading.probe = probes[i];
+    reading.object = name(dds::view(frame.objects)[i]);
+    reading.error_m = dds::view(frame.clearance_errors)[i];
+    reading.met = name(dds::view(frame.met)[i]);
+    reading.epoch = frame.epoch;
+    reading.version = frame.version;
+    reading.world_time = std::chrono::nanoseconds(frame.world_time_ns);
   }
   return true;
 }

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "client/library/asking/vector_column.hpp"
 #include "idl/columns.hpp"
 
 namespace collided::client {
@@ -29,25 +28,16 @@ bool fits(const wire::ContactShard& shard) { return wire::has_rows<wire::Contact
 template <class Message>
 Event decode_pair(const Message& message, std::size_t index, const Names& names) {
   Event event;
+  wire::take_row(message, index, event);
   event.a_id = dds::view(message.a)[index];
   event.b_id = dds::view(message.b)[index];
   event.a = names.name(event.a_id);
   event.b = names.name(event.b_id);
-  event.a_triangle = dds::view(message.a_triangles)[index];
-  event.b_triangle = dds::view(message.b_triangles)[index];
   if (event.a_triangle == wire_contract::kTriangleWithin) event.contained = Containment::a_in_b;
   if (event.b_triangle == wire_contract::kTriangleWithin) event.contained = Containment::b_in_a;
   if (event.contained != Containment::none)
     (event.contained == Containment::a_in_b ? event.a_triangle : event.b_triangle) = kNoTriangle;
   event.epoch = message.epoch;
-  event.episode = dds::view(message.episodes)[index];
-  event.point = vector_in(message.points, index);
-  event.normal = vector_in(message.normals, index);
-  event.depth_m = dds::view(message.depths)[index];
-  event.depth_error_m = dds::view(message.depth_errors)[index];
-  event.surface_normal = vector_in(message.surface_normals, index);
-  event.surface_depth_m = dds::view(message.surface_depths)[index];
-  event.surface_depth_error_m = dds::view(message.surface_depth_errors)[index];
   const std::uint8_t doubts = dds::view(message.doubts)[index];
   event.doubt = doubt_of(static_cast<std::uint8_t>(doubts & ~wire_contract::kDoubtPosesMerged));
   event.poses_merged = (doubts & wire_contract::kDoubtPosesMerged) != 0;
@@ -64,12 +54,8 @@ std::optional<HeardFrame> decode(const wire::EventFrame& frame, Names& names) {
   for (std::size_t i = 0; i < frame.kinds._length; ++i) {
     Event event = decode_pair(frame, i, names);
     event.kind = static_cast<EventKind>(dds::view(frame.kinds)[i] + kFirstKind);
-    event.reason = static_cast<EndReason>(dds::view(frame.reasons)[i]);
     event.world_time = nanoseconds(frame.world_time_ns);
-    event.bracket_low_s = dds::view(frame.bracket_lows)[i];
-    event.bracket_high_s = dds::view(frame.bracket_highs)[i];
-    event.relative_velocity = vector_in(frame.velocities, i);
-    event.velocity_error = dds::view(frame.velocity_errors)[i];
+    wire::take(frame.velocities, i, event.relative_velocity);
     heard.entries.push_back({std::move(event), dds::view(frame.shards)[i]});
   }
   return heard;

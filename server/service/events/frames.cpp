@@ -10,20 +10,15 @@ namespace {
 /// What events and contacts have in common.
 template <class Columns>
 void put_contact(Columns& columns, const OpenContact& of, const NameBook& book, std::uint8_t marks) {
-  columns.doubts.push_back(static_cast<std::uint8_t>(static_cast<std::uint8_t>(of.doubt) | marks));
-  columns.a.push_back(of.a);
-  columns.b.push_back(of.b);
+  wire::put_row(columns, of);
+  wire::put_row(columns, of.contact);
+  columns.doubts.back() = static_cast<std::uint8_t>(columns.doubts.back() | marks);
   static_assert(kNoTriangle == wire_contract::kNoTriangle);
   const auto triangle = [&](ObjectId id, std::uint32_t own, Contained within) {
     return of.contained == within ? wire_contract::kTriangleWithin : book.triangle(id, own);
   };
-  columns.a_triangles.push_back(triangle(of.a, of.a_triangle, Contained::a_in_b));
-  columns.b_triangles.push_back(triangle(of.b, of.b_triangle, Contained::b_in_a));
-  columns.episodes.push_back(of.episode);
-  put(columns.points, of.contact.point);
-  put(columns.normals, of.contact.normal);
-  put(columns.depths, of.contact.depth_m);
-  put(columns.depth_errors, of.contact.depth_error_m);
+  columns.a_triangles.back() = triangle(of.a, of.a_triangle, Contained::a_in_b);
+  columns.b_triangles.back() = triangle(of.b, of.b_triangle, Contained::b_in_a);
   put(columns.surface_normals, of.surface.normal);
   put(columns.surface_depths, of.surface.depth_m);
   put(columns.surface_depth_errors, of.surface.depth_error_m);
@@ -75,34 +70,21 @@ void put(std::vector<std::uint8_t>& names, std::string_view name) {
 
 void EventColumns::add(const Event& event, const NameBook& book, bool is_merged) {
   if (kinds.empty()) first_sequence = event.sequence;
-  kinds.push_back(static_cast<std::uint8_t>(event.kind));
-  reasons.push_back(static_cast<std::uint8_t>(event.reason));
+  wire::put_row(*this, event);
   shards.push_back(wire_contract::contact_shard(event.of.a, event.of.b));
   put_contact(*this, event.of, book, is_merged ? wire_contract::kDoubtPosesMerged : 0);
-  put(bracket_lows, event.bracket_low_s);
-  put(bracket_highs, event.bracket_high_s);
   put(velocities, event.relative_velocity);
-  put(velocity_errors, event.velocity_error);
 }
 
-void ContactColumns::add(const OpenContact& contact, const NameBook& book) {
-  put_contact(*this, contact, book, 0);
-  began_ns.push_back(contact.began_ns);
-}
+void ContactColumns::add(const OpenContact& contact, const NameBook& book) { put_contact(*this, contact, book, 0); }
 
 std::size_t ContactColumns::bytes() const {
   return size() * wire::bytes_of_row<ContactShardColumns>() + named_ids.size() * sizeof(ObjectId) + names.size();
 }
 
 void ProbeColumns::add(std::string_view probe_name, const ProbeReading& reading) {
-  states.push_back(static_cast<std::uint8_t>(reading.state));
-  objects.push_back(reading.object);
-  met.push_back(reading.met);
-  triangles.push_back(reading.triangle);
-  put(clearances, reading.clearance_m);
+  wire::put_row(*this, reading);
   put(clearance_errors, reading.error_m);
-  put(points, reading.point);
-  put(normals, reading.normal);
   put(probe_names, probe_name);
   for (const ObjectId id : {reading.object, reading.met}) {
     if (id != 0) named_ids.push_back(id);

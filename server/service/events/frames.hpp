@@ -38,11 +38,7 @@ class NameBook {
   std::unordered_map<ObjectId, Entry> entries_;
 };
 
-/// -0 goes as 0.
-inline void put(std::vector<double>& column, double value) { column.push_back(value + 0.0); }
-inline void put(std::vector<double>& column, const Vec3& value) {
-  for (const double x : value) put(column, x);
-}
+using wire::put;
 /// Adds a name to those that travel beside their ids: zero-terminated UTF-8, one after the other.
 void put(std::vector<std::uint8_t>& names, std::string_view name);
 

@@ -25,7 +25,7 @@ constexpr std::size_t kMostOthers = 64;
 
 /// A role that this version does not know is taken for one that decides nothing.
 MemberRole role_in(const wire::Member& member) {
-  return is_known<MemberRole>(member.role) ? static_cast<MemberRole>(member.role) : MemberRole::replica;
+  return wire_contract::is_known<MemberRole>(member.role) ? static_cast<MemberRole>(member.role) : MemberRole::replica;
 }
 
 /// As much of a text as fits into a field.

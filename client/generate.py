@@ -1,0 +1,260 @@
+#!/usr/bin/env python3
+"""Writes the events of the public C++ headers for C and Python, and the C interface for Python.
+generate.py BUILD_FOLDER INCLUDE_FOLDER
+
+include/collided/events.h            C: the structs of the events
+client/library/c/lent_events.hpp     C++: an event as its C struct, whose texts are lent
+client/python/collided/_events.py    Python: the events as dataclasses, and how they are read
+client/python/collided/_structs.py   Python: structs, functions and constants of the C interface for ctypes
+
+In C a member has its unit at the end, as in C++, and a time is in nanoseconds. In Python a length or speed has none, the two
+ends of an interval are one tuple, and a code is its word."""
+import collections
+import keyword
+import pathlib
+import re
+import sys
+import textwrap
+
+EVENTS = {"Event": "events.hpp", "FenceEvent": "fences.hpp", "MarginEvent": "margins.hpp", "NearestEvent": "nearest.hpp"}
+WIDTH = 120
+NUMBERS = ("uint8_t", "int32_t", "int64_t", "uint32_t", "uint64_t", "size_t", "double", "float", "char")
+
+Event = collections.namedtuple("Event", "name comment members")
+Member = collections.namedtuple("Member", "type name default comment inner")
+
+
+def wrapped(text, first, rest):
+    return textwrap.wrap(text, WIDTH, initial_indent=first, subsequent_indent=rest, break_on_hyphens=False)
+
+
+def snake(name):
+    return re.sub(r"(?<!^)(?=[A-Z])", "_", name).lower()
+
+
+def uncommented(text):
+    return re.sub(r"/\*.*?\*/", "", text, flags=re.DOTALL)
+
+
+# ---- what the C++ headers declare --------------------------------------------------------------------------------------
+
+
+def event_of(name, header):
+    comment, body = re.search(rf"((?:^///[^\n]*\n)*)^struct {name} \{{\n(.*?)^\}};", header, re.MULTILINE | re.DOTALL).groups()
+    structs = {inner: re.findall(r"^    double (\w+) = ", text, re.MULTILINE) for inner, text in
+               re.findall(r"^  struct (\w+) \{\n(.*?)^  \};\n", body, re.MULTILINE | re.DOTALL)}
+    return Event(name, " ".join(line.strip("/ ") for line in comment.splitlines()),
+                 list(members_of(name, re.sub(r"^  struct .*?^  \};\n", "", body, flags=re.MULTILINE | re.DOTALL), structs)))
+
+
+def members_of(name, body, structs):
+    comments = []
+    for line in body.splitlines():
+        comment = re.fullmatch(r"  ///? ?(.*)", line)
+        member = re.fullmatch(r"  ([\w:<>]+) (\w+)(?: = ([^;]+)|\{[^}]*\})?; *(?:// ?(.*))?", line)
+        if comment:
+            comments.append(comment[1])
+        elif member:
+            kind, inner = member[1].removeprefix("std::"), None
+            if optional := re.fullmatch(r"optional<(\w+)>", kind):
+                kind, inner = "optional", structs[optional[1]]
+            text = " ".join([*comments, *filter(None, [member[4]])])
+            yield Member(kind, member[2], member[3], text, inner)
+            comments = []
+        elif line:
+            raise ValueError(f"{name} has a line that is not a member: {line}")
+
+
+def codes_in(headers):
+    """The enumerations of codes.hpp by the names that the headers give them."""
+    return {name or code: code for name, code in re.findall(r"^using (?:(\w+) = )?codes::(\w+);", headers, re.MULTILINE)}
+
+
+# ---- C -------------------------------------------------------------------------------------------------------------------
+
+
+def c_members(member, codes):
+    """Declarations of the C struct."""
+    if member.type in codes:
+        return [f"collided_{snake(codes[member.type])} {member.name}"]
+    if member.type == "optional":
+        return [f"int32_t has_{member.name}", *(f"double {member.name}_{part}" for part in member.inner)]
+    return [{"bool": "int32_t {}", "string": "const char* {}", "Vec3": "double {}[3]", "chrono::nanoseconds": "int64_t {}_ns",
+             "uint32_t": "uint32_t {}", "uint64_t": "uint64_t {}", "double": "double {}"}[member.type].format(member.name)]
+
+
+def c_struct(event, codes):
+    lines = [*wrapped(f"/* {event.comment} */", "", " * "), f"typedef struct collided_{snake(event.name)} {{", "  uint32_t size;"]
+    for member in event.members:
+        lines += wrapped(f"/* {member.comment} */", "  ", "   * ") if member.comment else []
+        lines += [f"  {declared};" for declared in c_members(member, codes)]
+    return "\n".join([*lines, f"}} collided_{snake(event.name)};"])
+
+
+def events_h(events, codes, _):
+    structs = "\n\n".join(c_struct(event, codes) for event in events)
+    return f"""/* Generated from the C++ headers by client/generate.py. Events of watches; texts are valid until the next call for the
+ * watch, in a callback until it returns. */
+#ifndef COLLIDED_EVENTS_H
+#define COLLIDED_EVENTS_H
+
+#include <collided/codes.h>
+#include <stdint.h>
+
+{structs}
+
+#endif
+"""
+
+
+def lending(member, codes):
+    name = member.name
+    if member.type in codes:
+        return [f"told.{name} = static_cast<std::int32_t>(event.{name});"]
+    if member.type == "optional":
+        parts = [f"if (event.{name}) told.{name}_{part} = event.{name}->{part};" for part in member.inner]
+        return [f"told.has_{name} = event.{name} ? 1 : 0;", *parts]
+    return [{"bool": "told.{0} = event.{0} ? 1 : 0;", "string": "told.{0} = event.{0}.c_str();", "Vec3": "put(event.{0}, told.{0});",
+             "chrono::nanoseconds": "told.{0}_ns = event.{0}.count();"}.get(member.type, "told.{0} = event.{0};").format(name)]
+
+
+def lent_events_hpp(events, codes, _):
+    functions = []
+    for event in events:
+        struct = f"collided_{snake(event.name)}"
+        lines = [line for member in event.members for line in lending(member, codes)]
+        functions.append("\n  ".join([f"inline {struct} lent(const {event.name}& event) {{", f"{struct} told{{}};",
+                                      "told.size = sizeof told;", *lines, "return told;"]) + "\n}")
+    body = "\n".join(functions)
+    return f"""// Generated from the public headers by client/generate.py.
+#pragma once
+
+#include "client/library/c/values.hpp"
+
+namespace collided::c {{
+
+{body}
+
+}}  // namespace collided::c
+"""
+
+
+# ---- events in Python ----------------------------------------------------------------------------------------------------
+
+
+def python_members(event, codes):
+    """name, annotation, comment, expression; an interval once."""
+    for member in event.members:
+        bare = re.sub(r"_(m|mps|s)$", "", member.name)
+        name = bare + "_object" if keyword.iskeyword(bare) else bare
+        told = f'getattr(told, "{member.name}")' if keyword.iskeyword(bare) else f"told.{member.name}"
+        if member.name.endswith("_high_s"):
+            continue
+        if member.name.endswith("_low_s"):
+            both = f"(told.{member.name}, told.{member.name.replace('_low_', '_high_')})"
+            yield bare.removesuffix("_low"), "tuple[float, float]", member.comment, both
+        elif member.type in codes:
+            yield name, "str", member.comment, f"word({snake(codes[member.type]).upper()}, {told})"
+        elif member.type == "optional":
+            parts = ", ".join(f"told.{member.name}_{part}" for part in member.inner)
+            hint = f"tuple[{', '.join(['float'] * len(member.inner))}] | None"
+            yield name, hint, member.comment, f"({parts}) if told.has_{member.name} else None"
+        elif member.default == "kNoTriangle":
+            yield name, "int | None", member.comment, f"None if {told} == NO_TRIANGLE else {told}"
+        else:
+            hint, value = {"bool": ("bool", "bool({})"), "string": ("str", "text({})"), "double": ("float", "{}"),
+                           "Vec3": ("tuple[float, float, float]", "({0}[0], {0}[1], {0}[2])"),
+                           "chrono::nanoseconds": ("int", "{}_ns")}.get(member.type, ("int", "{}"))
+            yield name + ("_ns" if member.type == "chrono::nanoseconds" else ""), hint, member.comment, value.format(told)
+
+
+def events_py(events, codes, _):
+    used = sorted({snake(codes[member.type]).upper() for event in events for member in event.members if member.type in codes})
+    lines = ['"""Generated from the C++ headers by client/generate.py: the events of watches."""', "",
+             "from __future__ import annotations", "", "from dataclasses import dataclass", "",
+             f"from ._contract import NO_TRIANGLE, {', '.join(used)}", "from ._library import text, word",
+             f"from ._structs import {', '.join(f'C{event.name}' for event in events)}"]
+    for event in events:
+        members = list(python_members(event, codes))
+        lines += ["", "", "@dataclass(frozen=True)", f"class {event.name}:", *wrapped(f'"""{event.comment}"""', "    ", "    "), ""]
+        for name, hint, comment, _ in members:
+            lines += [*wrapped(comment, "    #: ", "    #: "), f"    {name}: {hint}"]
+        lines += ["", "", f"def read_{snake(event.name)}(told: C{event.name}) -> {event.name}:", f"    return {event.name}(",
+                  *(f"        {expression}," for _, _, _, expression in members), "    )"]
+    return "\n".join([*lines, ""])
+
+
+# ---- the C interface in Python -------------------------------------------------------------------------------------------
+
+
+def class_of(struct):
+    return "C" + "".join(word.capitalize() for word in struct.split("_"))
+
+
+def ctype_of(declared, structs):
+    """name, type as ctypes has it, of a member, a parameter or a result ("int", "const char* name", "double point[3]")."""
+    kind, stars, name, count = re.fullmatch(r"(?:const )?(\w+)((?: ?const)?[* ]*(?:const)?[* ]*?) ?(\w*)(?:\[(\d+)\])?", declared).groups()
+    pointers = stars.count("*")
+    struct = kind.removeprefix("collided_")
+    if pointers and kind == "char" and "const" in declared:
+        ctype = "c_char_p" if pointers == 1 else "POINTER(c_char_p)"
+    elif pointers == 1 and kind.startswith("collided_") and struct in structs:
+        ctype = f"POINTER({class_of(struct)})"
+    elif pointers or kind.endswith("_callback"):
+        ctype = "c_void_p"
+    elif kind == "void":
+        ctype = "None"
+    else:
+        ctype = "c_" + kind.removesuffix("_t") if kind in NUMBERS else "c_int32"  # a code or an int
+        ctype = ctype.replace("c_size", "c_size_t")
+    return name, f"{ctype} * {count}" if count else ctype
+
+
+def structs_py(_, __, c_text):
+    structs = dict(re.findall(r"typedef struct collided_(\w+) \{(.*?)\} collided_\w+;", c_text, re.DOTALL))
+    lines = ['"""Generated from collided.h by client/generate.py: the C interface for ctypes."""', "", "from __future__ import annotations", "",
+             "from ctypes import (", "    POINTER,", "    Structure,",
+             *(f"    {name}," for name in ("c_char", "c_char_p", "c_double", "c_int32", "c_int64", "c_size_t", "c_uint32", "c_uint64", "c_void_p")),
+             ")", "from typing import Any", ""]
+    for name, value in re.findall(r"COLLIDED_(\w+) = (\d+)", c_text):
+        lines.append(f"{name if name[0].isalpha() else '_' + name} = {value}")
+    for struct, body in structs.items():
+        lines += ["", "", f"class {class_of(struct)}(Structure):", "    _fields_ = ["]
+        for declared in filter(None, (" ".join(part.split()) for part in body.split(";"))):
+            name, ctype = ctype_of(declared, structs)
+            lines.append(f'        ("{name}", {ctype}),')
+        lines.append("    ]")
+    lines += ["", "", "# Results and arguments of every function; without them ctypes would cut pointers to 32 bits.",
+              "FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {"]
+    for result, name, arguments in re.findall(r"^COLLIDED_API ([\w *]+?) ?collided_(\w+)\((.*?)\);", c_text, re.MULTILINE | re.DOTALL):
+        given = [] if arguments == "void" else [ctype_of(" ".join(each.split()), structs)[1] for each in arguments.split(",")]
+        lines.append(f'    "{name}": ({ctype_of(result, structs)[1]}, [{", ".join(given)}]),')
+    return "\n".join([*lines, "}", ""])
+
+
+OUTPUTS = {"include/collided/events.h": events_h, "client/library/c/lent_events.hpp": lent_events_hpp,
+           "client/python/collided/_events.py": events_py, "client/python/collided/_structs.py": structs_py}
+
+
+def write(path, text):
+    # Unchanged, it keeps its time, and nothing is compiled again.
+    if not path.exists() or path.read_text(encoding="utf-8") != text:
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+
+
+def main(build, include):
+    build, include = pathlib.Path(build), pathlib.Path(include)
+    headers = {path.name: path.read_text(encoding="utf-8") for path in include.glob("collided/*.hpp")}
+    codes = codes_in("\n".join(headers.values()))
+    try:
+        events = [event_of(name, headers[header]) for name, header in EVENTS.items()]
+        c_text = uncommented(events_h(events, codes, "") + (include / "collided.h").read_text(encoding="utf-8"))
+        for path, text_of in OUTPUTS.items():
+            write(build / path, text_of(events, codes, c_text))
+    except (ValueError, KeyError, AttributeError) as unfit:
+        sys.exit(f"{include}: {unfit}")
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])
