@@ -24,6 +24,12 @@ std::optional<std::string> text_of(const json& arguments) {
 Error not_utf8(const char* command) {
   return client::bad_input(std::string(command) + ": a name or path is not UTF-8 text");
 }
+Result<std::string> sent(Client& client, const char* command, const json& arguments, nanoseconds timeout,
+                         const Shape& shape = {}, std::function<void(double)> progress = {}) {
+  const std::optional<std::string> text = text_of(arguments);
+  if (!text) return not_utf8(command);
+  return client.command(command, *text, shape, timeout, std::move(progress));
+}
 
 json list_of(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
 json list_of(const Pose& pose) {
@@ -138,9 +144,7 @@ Result<Added> Client::add(const ObjectOptions& object, nanoseconds timeout) {
                  {"moving", object.moving}};
   if (object.solid) arguments["solid"] = true;
   if (object.solid_by_winding) arguments["solid_by"] = "winding";
-  const std::optional<std::string> text = text_of(arguments);
-  if (!text) return not_utf8("add");
-  return read_answer(command(names::kAdd, *text, object.shape, timeout), "add", [](const json& answer) {
+  return read_answer(sent(*this, names::kAdd, arguments, timeout, object.shape), "add", [](const json& answer) {
     return Added{.id = answer.at("id"),
                  .version = answer.at("version"),
                  .not_kept = answer.value("not_kept", ""),
@@ -149,21 +153,19 @@ Result<Added> Client::add(const ObjectOptions& object, nanoseconds timeout) {
 }
 
 Result<Moved> Client::move(const std::string& name, const Pose& pose, bool teleport, nanoseconds timeout) {
-  const std::optional<std::string> text = text_of({{"name", name}, {"pose", list_of(pose)}, {"teleport", teleport}});
-  if (!text) return not_utf8("move");
-  return read_answer(command(names::kMove, *text, {}, timeout), "move", [](const json& answer) {
-    return Moved{.distance_m = answer.at("moved_m"),
-                 .began = answer.at("began"),
-                 .ended = answer.at("ended"),
-                 .version = answer.at("version"),
-                 .not_kept = answer.value("not_kept", "")};
-  });
+  return read_answer(
+      sent(*this, names::kMove, {{"name", name}, {"pose", list_of(pose)}, {"teleport", teleport}}, timeout), "move",
+      [](const json& answer) {
+        return Moved{.distance_m = answer.at("moved_m"),
+                     .began = answer.at("began"),
+                     .ended = answer.at("ended"),
+                     .version = answer.at("version"),
+                     .not_kept = answer.value("not_kept", "")};
+      });
 }
 
 Result<Removed> Client::remove(const std::string& name, nanoseconds timeout) {
-  const std::optional<std::string> text = text_of({{"name", name}});
-  if (!text) return not_utf8("remove");
-  return read_answer(command(names::kRemove, *text, {}, timeout), "remove", [](const json& answer) {
+  return read_answer(sent(*this, names::kRemove, {{"name", name}}, timeout), "remove", [](const json& answer) {
     return Removed{.names = answer.at("removed"),
                    .contacts_ended = answer.at("ended"),
                    .version = answer.at("version"),
@@ -173,16 +175,12 @@ Result<Removed> Client::remove(const std::string& name, nanoseconds timeout) {
 
 Result<RuleChanged> Client::allow(const std::string& a, const std::string& b, const std::string& because,
                                   nanoseconds timeout) {
-  const std::optional<std::string> text = text_of({{"a", a}, {"b", b}, {"because", because}});
-  if (!text) return not_utf8("allow");
-  return read_answer(command(names::kAllow, *text, {}, timeout), "allow",
+  return read_answer(sent(*this, names::kAllow, {{"a", a}, {"b", b}, {"because", because}}, timeout), "allow",
                      [](const json& answer) { return rule_changed(answer, "ended"); });
 }
 
 Result<RuleChanged> Client::deny(const std::string& a, const std::string& b, nanoseconds timeout) {
-  const std::optional<std::string> text = text_of({{"a", a}, {"b", b}});
-  if (!text) return not_utf8("deny");
-  return read_answer(command(names::kDeny, *text, {}, timeout), "deny",
+  return read_answer(sent(*this, names::kDeny, {{"a", a}, {"b", b}}, timeout), "deny",
                      [](const json& answer) { return rule_changed(answer, "began"); });
 }
 
@@ -197,23 +195,18 @@ Result<std::vector<ListedRule>> Client::rules(nanoseconds timeout) {
 }
 
 Result<Attached> Client::attach(const std::string& child, const std::string& parent, nanoseconds timeout) {
-  const std::optional<std::string> text = text_of({{"child", child}, {"parent", parent}});
-  if (!text) return not_utf8("attach");
-  return read_answer(command(names::kAttach, *text, {}, timeout), "attach", attached_of);
+  return read_answer(sent(*this, names::kAttach, {{"child", child}, {"parent", parent}}, timeout), "attach",
+                     attached_of);
 }
 
 Result<Attached> Client::detach(const std::string& child, nanoseconds timeout) {
-  const std::optional<std::string> text = text_of({{"child", child}});
-  if (!text) return not_utf8("detach");
-  return read_answer(command(names::kDetach, *text, {}, timeout), "detach", attached_of);
+  return read_answer(sent(*this, names::kDetach, {{"child", child}}, timeout), "detach", attached_of);
 }
 
 Result<Loaded> Client::load(const std::string& path, const LoadOptions& options, std::function<void(double)> progress) {
   json arguments = arguments_of(options);
   arguments["path"] = path;
-  const std::optional<std::string> text = text_of(arguments);
-  if (!text) return not_utf8("load");
-  return read_answer(command(names::kLoad, *text, {}, options.timeout, std::move(progress)), "load", loaded_of);
+  return read_answer(sent(*this, names::kLoad, arguments, options.timeout, {}, std::move(progress)), "load", loaded_of);
 }
 
 Result<Loaded> Client::load(std::span<const std::byte> bytes, std::string_view file_name, const LoadOptions& options,
@@ -224,15 +217,14 @@ Result<Loaded> Client::load(std::span<const std::byte> bytes, std::string_view f
 }
 
 Result<Cleared> Client::clear(const ClearOptions& options, nanoseconds timeout) {
-  const std::optional<std::string> text = text_of({{"scene", options.scene}, {"moving", options.moving}});
-  if (!text) return not_utf8("clear");
-  return read_answer(command(names::kClear, *text, {}, timeout), "clear", [](const json& answer) {
-    return Cleared{.removed = answer.at("removed"),
-                   .kept = answer.at("kept"),
-                   .contacts_ended = answer.at("ended"),
-                   .version = answer.at("version"),
-                   .not_kept = answer.value("not_kept", "")};
-  });
+  return read_answer(sent(*this, names::kClear, {{"scene", options.scene}, {"moving", options.moving}}, timeout),
+                     "clear", [](const json& answer) {
+                       return Cleared{.removed = answer.at("removed"),
+                                      .kept = answer.at("kept"),
+                                      .contacts_ended = answer.at("ended"),
+                                      .version = answer.at("version"),
+                                      .not_kept = answer.value("not_kept", "")};
+                     });
 }
 
 Result<ObjectList> Client::list(const ListOptions& options, nanoseconds timeout) {

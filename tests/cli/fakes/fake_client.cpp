@@ -4,6 +4,10 @@
 #include <span>
 #include <thread>
 
+#include <gtest/gtest.h>
+
+#include "tests/cli/fakes/known_arguments.hpp"
+
 namespace collided {
 namespace fake {
 namespace {
@@ -186,7 +190,9 @@ Result<std::string> Client::command(std::string_view name, std::string_view json
   const std::lock_guard lock(fake::server().mutex);
   const std::string text(name);
   if (!fake::server().command) return Error{ErrorCode::refused, "no command '" + text + "'", ""};
-  return fake::server().command(text, nlohmann::json::parse(json_arguments), shape);
+  const nlohmann::json arguments = nlohmann::json::parse(json_arguments);
+  EXPECT_EQ(test::unknown_argument(text, arguments), "") << "is in idl/command_table.hpp";
+  return fake::server().command(text, arguments, shape);
 }
 
 Result<std::string> Client::command_with_bytes(std::string_view name, std::string_view json_arguments,
