@@ -2,6 +2,7 @@
 #define COLLIDED_H
 
 #include <collided/codes.h>
+#include <collided/events.h>
 #include <stddef.h>
 #include <stdint.h>
 
@@ -320,42 +321,6 @@ COLLIDED_API void collided_free_text(char* text);
 
 /* ---- Events ---- */
 
-/* News of a contact; see collided::Event. Texts are valid until the next call for this watch, in a callback until it
- * returns. */
-typedef struct collided_event {
-  uint32_t size;
-  collided_contact_event_kind kind;
-  collided_end_reason reason;
-  collided_doubt doubt;
-  int32_t resync;
-  uint32_t a_triangle;
-  uint32_t b_triangle;
-  const char* a;
-  const char* b;
-  uint64_t a_id;
-  uint64_t b_id;
-  uint64_t epoch;
-  uint64_t sequence;
-  uint64_t episode;
-  int64_t world_time_ns;
-  int64_t began_ns;
-  double bracket_low_s;
-  double bracket_high_s;
-  double point[3];
-  double normal[3];
-  double depth_m;
-  double depth_error_m;
-  double relative_velocity[3];
-  double velocity_error;
-  collided_containment contained;
-  /* Normal and depth with neighbouring bodies counted as one surface, as at the inner edges of a tiled floor; elsewhere
-   * equal to those above. */
-  double surface_normal[3];
-  double surface_depth_m;
-  double surface_depth_error_m;
-  int32_t poses_merged; /* poses of one of the two were replaced by newer ones; see collided::Event */
-} collided_event;
-
 typedef struct collided_watch_options {
   uint32_t size;
   int32_t persisted;
@@ -439,80 +404,6 @@ typedef struct collided_nearest {
 COLLIDED_API int collided_nearest_add(collided_client* client, const collided_nearest* nearest, collided_error* error);
 COLLIDED_API int collided_nearest_remove(collided_client* client, const char* name, uint64_t* removed,
                                          collided_error* error);
-
-/* News of an object and a fence; see collided::FenceEvent. Texts are valid until the next call for this watch. */
-typedef struct collided_fence_event {
-  uint32_t size;
-  collided_fence_event_kind kind;
-  collided_end_reason reason;
-  collided_doubt doubt;
-  int32_t resync;
-  const char* object;
-  const char* fence;
-  uint64_t epoch;
-  uint64_t sequence;
-  uint64_t episode;
-  int64_t world_time_ns;
-  int64_t entered_ns;
-  double bracket_low_s;
-  double bracket_high_s;
-  double left_low_s;
-  double left_high_s;
-  double point[3];
-  int32_t poses_merged; /* as of collided_event */
-} collided_fence_event;
-
-/* News of two objects and a band; see collided::MarginEvent. */
-typedef struct collided_margin_event {
-  uint32_t size;
-  collided_margin_event_kind kind;
-  collided_end_reason reason;
-  collided_doubt doubt;
-  int32_t resync;
-  int32_t has_contact_in; /* 0: the two would not touch within a minute, and the last two members mean nothing */
-  const char* margin;
-  const char* object;
-  const char* around;
-  double band_m;
-  uint64_t epoch;
-  uint64_t sequence;
-  uint64_t episode;
-  int64_t world_time_ns;
-  int64_t entered_ns;
-  double bracket_low_s;
-  double bracket_high_s;
-  double distance_m;
-  double distance_error_m;
-  double point[3];
-  double normal[3];
-  double closing_mps;
-  double closing_error_mps;
-  double contact_in_low_s;
-  double contact_in_high_s;
-  int32_t poses_merged; /* as of collided_event */
-} collided_margin_event;
-
-/* News of what is nearest; see collided::NearestEvent. */
-typedef struct collided_nearest_event {
-  uint32_t size;
-  collided_nearest_event_kind kind;
-  collided_end_reason reason;
-  collided_doubt doubt;
-  int32_t resync;
-  const char* nearest;
-  const char* from; /* empty: nothing was */
-  const char* to;   /* empty: nothing is */
-  uint64_t epoch;
-  uint64_t sequence;
-  int64_t world_time_ns;
-  double bracket_low_s;
-  double bracket_high_s;
-  double distance_m;
-  double distance_error_m;
-  double point[3];
-  double normal[3];
-  int32_t poses_merged; /* as of collided_event */
-} collided_nearest_event;
 
 /* only, skip  globs, may be null
  * returns     in *watch, to be given to the function named close */

@@ -21,7 +21,7 @@ info = f"collided-{version}.dist-info"
 files = {str(path.relative_to(source)): path.read_bytes() for path in sorted(source.glob("collided/*")) if path.is_file()}
 files[f"{info}/METADATA"] = (
     f"Metadata-Version: 2.1\nName: collided\nVersion: {version}\n"
-    "Summary: Client of the collision query service Collided\nRequires-Python: >=3.9\nProvides-Extra: arrays\n"
+    "Summary: Client of the collision query service Collided\nRequires-Python: >=3.10\nProvides-Extra: arrays\n"
     'Requires-Dist: numpy ; extra == "arrays"\n'
 ).encode()
 files[f"{info}/WHEEL"] = b"Wheel-Version: 1.0\nGenerator: collided\nRoot-Is-Purelib: true\nTag: py3-none-any\n"

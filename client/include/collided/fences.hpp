@@ -68,9 +68,10 @@ struct FenceEvent {
   std::uint64_t episode = 0;               // that of the object's coming in
   std::chrono::nanoseconds world_time{0};  // of the step that found it, since 1970, by the publishers' clocks
   std::chrono::nanoseconds entered{0};     // world time by which the object was in
-  double bracket_low_s = 0;                // the change, of `cross` the coming in, happened between these two,
-  double bracket_high_s = 0;               // in seconds before world_time
-  double left_low_s = 0;                   // of `cross`: the same of the going out
+  /// The change, of `cross` the coming in, happened between these two, in seconds before world_time.
+  double bracket_low_s = 0;
+  double bracket_high_s = 0;
+  double left_low_s = 0;  // of `cross`: the same of the going out
   double left_high_s = 0;
   Vec3 point = Vec3::Zero();  // where the object's surface first met the fence's, in the world; zero: not known
 };

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "client/library/c/fence_events.hpp"
+#include "client/library/c/lent_events.hpp"
 #include "client/library/c/values.hpp"
 
 using namespace collided;
@@ -35,10 +35,12 @@ Result<RecordedEventsOptions> options_of(const collided_recorded_options* option
   return RecordedEventsOptions{.only = text(given.only), .skip = text(given.skip), .from = *from, .to = *to};
 }
 
-template <class OneEvent, class Told, class Lend>
-int read_event(const std::vector<OneEvent>& events, std::size_t number, Told* event, const Lend& lend) {
-  if (number >= events.size()) return COLLIDED_NOTHING;
-  give(lend(events[number]), event);
+/// events  those of one kind in `told`
+template <class OneEvent, class Told>
+int read_event(const collided_recorded_fences* recorded, std::vector<OneEvent> RecordedFenceEvents::*events,
+               std::size_t number, Told* event) {
+  if (!recorded || number >= (recorded->told.*events).size()) return COLLIDED_NOTHING;
+  give(lent((recorded->told.*events)[number]), event);
   return COLLIDED_OK;
 }
 
@@ -80,16 +82,15 @@ void collided_about_recorded_fences(const collided_recorded_fences* recorded, co
 
 int collided_recorded_fence_event(const collided_recorded_fences* recorded, size_t number,
                                   collided_fence_event* event) {
-  return recorded ? read_event(recorded->told.fences, number, event, lend_fence) : static_cast<int>(COLLIDED_NOTHING);
+  return read_event(recorded, &RecordedFenceEvents::fences, number, event);
 }
 int collided_recorded_margin_event(const collided_recorded_fences* recorded, size_t number,
                                    collided_margin_event* event) {
-  return recorded ? read_event(recorded->told.margins, number, event, lend_margin) : static_cast<int>(COLLIDED_NOTHING);
+  return read_event(recorded, &RecordedFenceEvents::margins, number, event);
 }
 int collided_recorded_nearest_event(const collided_recorded_fences* recorded, size_t number,
                                     collided_nearest_event* event) {
-  return recorded ? read_event(recorded->told.nearest, number, event, lend_nearest)
-                  : static_cast<int>(COLLIDED_NOTHING);
+  return read_event(recorded, &RecordedFenceEvents::nearest, number, event);
 }
 const char* collided_recorded_warning(const collided_recorded_fences* recorded, size_t number) {
   return recorded && number < recorded->told.warnings.size() ? recorded->told.warnings[number].c_str() : nullptr;

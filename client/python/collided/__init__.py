@@ -32,7 +32,8 @@ from ._explanations import (
     ExplainedStale,
     ExplainedStanding,
 )
-from ._fences import FenceEvent, FenceWatch, MarginEvent, MarginWatch, NearestEvent, NearestWatch
+from ._events import Event, FenceEvent, MarginEvent, NearestEvent
+from ._fences import FenceWatch, MarginWatch, NearestWatch
 from ._groups import Clearance, ClearancePair
 from ._library import version
 from ._publisher import Publisher, PublisherReport
@@ -53,7 +54,7 @@ from ._shapes import (
     Sphere,
 )
 from ._voxels import Voxels, VoxelScan
-from ._watch import Event, Watch
+from ._watch import Watch
 
 __version__ = version()
 

@@ -11,8 +11,8 @@ from typing import Any, Iterator
 
 from . import _numbers
 from ._contract import NO_TRIANGLE, UNDECIDED_REASON, VERDICT
-from ._library import Owned, library, word
-from ._structs import AnswersInfo, Columns
+from ._library import Owned, library, text, word
+from ._structs import CAnswersInfo, CColumns
 
 
 class Undecided(Exception):
@@ -103,14 +103,14 @@ class Answers(Owned):
     def __init__(self) -> None:
         super().__init__(ctypes.c_void_p(), "free_answers")
         self._columns: dict[tuple[str, bool], Any] = {}
-        self._info = AnswersInfo(size=ctypes.sizeof(AnswersInfo))
+        self._info = CAnswersInfo(size=ctypes.sizeof(CAnswersInfo))
         self._names: dict[int, str] = {}
 
     def _empty(self) -> ctypes.c_void_p:
         """Forgets what is there; returns where the next answers go."""
         self._columns.clear()
         self._names.clear()
-        self._info = AnswersInfo(size=ctypes.sizeof(AnswersInfo))
+        self._info = CAnswersInfo(size=ctypes.sizeof(CAnswersInfo))
         return self._handle
 
     def _refill(self) -> None:
@@ -129,7 +129,7 @@ class Answers(Owned):
         else:
             column = array.array(code, bytes(array.array(code).itemsize * count * width))
             address = column.buffer_info()[0]
-        wanted = Columns(size=ctypes.sizeof(Columns), first_hits=1 if first_hits else 0, **{name: address})
+        wanted = CColumns(size=ctypes.sizeof(CColumns), first_hits=1 if first_hits else 0, **{name: address})
         library.collided_read_columns(self._handle, ctypes.byref(wanted))
         self._columns[(name, first_hits)] = column
         return column
@@ -237,7 +237,7 @@ class Answers(Owned):
     def _name(self, hit: int, object_id: int) -> str:
         name = self._names.get(object_id)
         if name is None:
-            name = library.collided_hit_object(self._handle, hit).decode("utf-8", "surrogateescape")
+            name = text(library.collided_hit_object(self._handle, hit))
             self._names[object_id] = name
         return name
 

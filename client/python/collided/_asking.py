@@ -5,17 +5,18 @@ from __future__ import annotations
 import ctypes
 import math
 from dataclasses import dataclass
-from typing import Any, Sequence
+from typing import Annotated, Any, Sequence
 
 from . import _numbers
 from ._answers import Answer, Answers, Verdict
 from ._commands import Commanding
-from ._contract import CONTAINMENT, HIT_MODE, IMPORTANCE, INSTANT_KIND, NO_TRIANGLE, UNDECIDED_REASON
+from ._contract import CONTAINMENT, HIT_MODE, IMPORTANCE, INSTANT_KIND, UNDECIDED_REASON
+from ._described import read, row_of
 from ._errors import BadInput
-from ._groups import Clearance, read_clearance
-from ._library import call, code_of, encoded, library, nanoseconds, word
+from ._groups import Clearance
+from ._library import call, code_of, encoded, library, nanoseconds
 from ._numbers import Row, Rows
-from ._structs import AskOptions, CPairAnswer
+from ._structs import CAskOptions, CPairAnswer
 
 
 @dataclass(frozen=True)
@@ -23,9 +24,9 @@ class PairAnswer:
     """How two objects stand to each other. As a truth value it is its verdict's: they touch, or they do not."""
 
     verdict: Verdict
-    reason: str
+    reason: Annotated[str, "reason", UNDECIDED_REASON]
     stale: bool
-    contained: str  #: "a_in_b" or "b_in_a" where one lies within the other's closed mesh; else empty
+    contained: Annotated[str, "contained", CONTAINMENT]  #: "a_in_b" or "b_in_a" where one lies within the other's closed mesh; else empty
     distance: float  #: of a miss; |truth - distance| <= error
     depth: float  #: of a hit; |truth - depth| <= error
     error: float
@@ -41,11 +42,7 @@ class PairAnswer:
         return bool(self.verdict)
 
 
-def _triple(values: ctypes.Array[ctypes.c_double]) -> tuple[float, float, float]:
-    return values[0], values[1], values[2]
-
-
-def _set_instant(options: AskOptions, as_of: str | int) -> None:
+def _set_instant(options: CAskOptions, as_of: str | int) -> None:
     if as_of == "latest":
         return
     if as_of == "settled":
@@ -71,9 +68,9 @@ def _ask_options(
     fresh: bool = False,
     as_of: str | int = "latest",
     importance: str = "normal",
-) -> AskOptions:
-    options = AskOptions()
-    library.collided_ask_defaults(ctypes.byref(options), ctypes.sizeof(AskOptions))
+) -> CAskOptions:
+    options = CAskOptions()
+    library.collided_ask_defaults(ctypes.byref(options), ctypes.sizeof(CAskOptions))
     options.mode = code_of(mode, HIT_MODE, "mode")
     options.importance = code_of(importance, IMPORTANCE, "importance")
     options.only = encoded(only, "only")
@@ -165,22 +162,7 @@ class Asking(Commanding):
         told = CPairAnswer(size=ctypes.sizeof(CPairAnswer))
         names = encoded(a, "the name"), encoded(b, "the name")
         call("pair", self._handle, *names, nanoseconds(timeout, "timeout"), ctypes.byref(told))
-        return PairAnswer(
-            Verdict(told.verdict),
-            word(UNDECIDED_REASON, told.reason),
-            bool(told.stale),
-            word(CONTAINMENT, told.contained),
-            told.distance_m,
-            told.depth_m,
-            told.error_m,
-            _triple(told.normal),
-            _triple(told.on_a),
-            _triple(told.on_b),
-            _triple(told.point),
-            None if told.a_triangle == NO_TRIANGLE else told.a_triangle,
-            None if told.b_triangle == NO_TRIANGLE else told.b_triangle,
-            told.version,
-        )
+        return read(PairAnswer, row_of(told))
 
     def clearance(
         self,
@@ -206,7 +188,7 @@ class Asking(Commanding):
             arguments["nearer_m"] = nearer
         if deadline != 0:
             arguments["deadline_ns"] = nanoseconds(deadline, "deadline")
-        return read_clearance(self.command("clearance", timeout=timeout, **arguments))
+        return read(Clearance, self.command("clearance", timeout=timeout, **arguments))
 
     def what_if(
         self,

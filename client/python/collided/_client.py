@@ -8,13 +8,14 @@ from typing import Any, Sequence
 
 from . import _numbers
 from ._asking import Asking
+from ._described import read, row_of
 from ._explaining import Explaining
 from ._library import call, encoded, library, nanoseconds
 from ._numbers import Row
 from ._publisher import Publisher
 from ._shapes import Shape, Solid, encode_object
 from ._standing import Standing
-from ._structs import ConnectOptions, CStatus, PublishOptions, WatchOptions
+from ._structs import CConnectOptions, CStatus, CPublishOptions, CWatchOptions
 from ._watch import Watch
 
 
@@ -47,7 +48,7 @@ class Client(Asking, Standing, Explaining):
 
     Questions take these keywords:
       mode        "closest" (default), "any" or "all": which hits of rays, spheres and boxes are wanted; "verdict": none,
-                  only whether there is one
+                  only whether there is one; "signed_near", of nearest: minus the depth where a solid holds the point
       only, skip  name globs of objects that may answer, and that are left out
       mask        bits; objects with one of these layers may answer
       max_hits    of each question; beyond it hits are cut off and the answer is undecided (truncated)
@@ -69,26 +70,7 @@ class Client(Asking, Standing, Explaining):
         """What the server said of itself last, twenty times a second."""
         told = CStatus(size=ctypes.sizeof(CStatus))
         call("get_status", self._handle, ctypes.byref(told))
-        return Status(
-            told.name_space.decode("utf-8", "replace"),
-            told.version_text.decode("utf-8", "replace"),
-            told.pid,
-            told.state.decode("utf-8", "replace"),
-            told.epoch,
-            told.version,
-            told.world_time_ns,
-            told.static_triangles,
-            told.objects,
-            told.moving,
-            told.contacts,
-            bool(told.contacts_truncated),
-            told.poses_applied,
-            told.poses_dropped,
-            told.questions_answered,
-            told.questions_refused,
-            told.undecided_answers,
-            told.step_lasting_ns,
-        )
+        return read(Status, row_of(told))
 
     def add(
         self,
@@ -154,8 +136,8 @@ class Client(Asking, Standing, Explaining):
 
     def watch(self, only: str = "", skip: str = "", *, persisted: bool = False, capacity: int = 0, since_ns: int = 0) -> Watch:
         """Subscribes to contact events. What holds already comes first, as events of kind "open"."""
-        options = WatchOptions(
-            size=ctypes.sizeof(WatchOptions),
+        options = CWatchOptions(
+            size=ctypes.sizeof(CWatchOptions),
             persisted=int(persisted),
             only=encoded(only, "only"),
             skip=encoded(skip, "skip"),
@@ -172,8 +154,8 @@ class Client(Asking, Standing, Explaining):
         to 8); beyond, it rested until one gap before the later pose. Choose it longer than the period of the source."""
         made = ctypes.c_void_p()
         words = encoded(name, "the publisher's name")
-        options = PublishOptions(
-            size=ctypes.sizeof(PublishOptions), lease_ns=nanoseconds(lease, "lease"), gap_ns=nanoseconds(gap, "gap")
+        options = CPublishOptions(
+            size=ctypes.sizeof(CPublishOptions), lease_ns=nanoseconds(lease, "lease"), gap_ns=nanoseconds(gap, "gap")
         )
         call("publish_with", self._handle, words, ctypes.byref(options), ctypes.byref(made))
         return Publisher(made)
@@ -206,8 +188,8 @@ def connect(
         call("connect", None, ctypes.byref(made))
         return Client(made)
     addresses = (ctypes.c_char_p * len(peers))(*[encoded(peer, "peer") for peer in peers])
-    options = ConnectOptions(
-        size=ctypes.sizeof(ConnectOptions),
+    options = CConnectOptions(
+        size=ctypes.sizeof(CConnectOptions),
         domain=domain or 0,
         name_space=encoded(name_space or "", "name_space"),
         interface_name=encoded(interface or "", "interface"),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import ctypes
 import dataclasses
 import functools
 import math
@@ -10,7 +11,8 @@ import typing
 from typing import Any, TypeVar
 
 from ._answers import Verdict
-from ._contract import NO_TRIANGLE
+from ._contract import NO_TRIANGLE, VERDICT
+from ._library import text, word
 
 _VERDICTS = {
     **dict.fromkeys(("miss", "outside", "apart"), Verdict.MISS),
@@ -23,8 +25,17 @@ def read(kind: type[T], row: dict[str, Any]) -> T:
     """The answer as a dataclass.
 
     A member comes from that of its own name, or of the path in its Annotated[type, "name", place in the value, ...]. A member
-    that was not written is false, 0, empty or None, as its type has it."""
+    that was not written is false, 0, empty or None, as its type has it. A tuple of words in the path turns a code into its
+    word, a dictionary one word into another."""
     return kind(**{name: _value(hint, _reached(row, path)) for name, hint, path in _members(typing.cast(Any, kind))})
+
+
+def row_of(told: ctypes.Structure) -> dict[str, Any]:
+    """The members of a struct of C as read() takes them, without the unit of a length."""
+    row = {name: getattr(told, name) for name, *_ in told._fields_}
+    if "verdict" in row:
+        row["verdict"] = VERDICT[row["verdict"]]
+    return {name.removesuffix("_m"): text(value) if isinstance(value, bytes) else value for name, value in row.items()}
 
 
 @functools.cache
@@ -42,11 +53,15 @@ def _reached(value: Any, path: tuple[Any, ...]) -> Any:
             return None
         if isinstance(step, str):
             value = value.get(step)
+        elif isinstance(step, tuple):
+            value = word(step, value)
+        elif isinstance(step, dict):
+            value = step.get(value)
         elif isinstance(step, slice):
             value = value[step]
         else:
             value = value[step] if step < len(value) else None
-    return None if path == ("triangle",) and value == NO_TRIANGLE else value
+    return None if str(path[0]).endswith("triangle") and value == NO_TRIANGLE else value
 
 
 def _value(hint: Any, value: Any) -> Any:
@@ -55,6 +70,8 @@ def _value(hint: Any, value: Any) -> Any:
         return None if value is None else _value(kinds[0], value)
     if value is None:
         return hint()
+    if hint is bool:
+        return bool(value)
     if hint is float:
         return math.inf if isinstance(value, str) else value
     if hint is Verdict:

@@ -4,174 +4,18 @@ from __future__ import annotations
 
 import ctypes
 import time
-from dataclasses import dataclass
 from typing import Any, Callable, Generic, Iterator, Sequence, TypeVar, cast
 
-from ._contract import (
-    DOUBT,
-    END_REASON,
-    FENCE_EVENT_KIND,
-    MARGIN_EVENT_KIND,
-    NEAREST_EVENT_KIND,
-    TELLS_CROSS,
-    TELLS_ENTER,
-    TELLS_EXIT,
-)
+from ._contract import TELLS_CROSS, TELLS_ENTER, TELLS_EXIT
 from ._errors import BadInput
-from ._library import NOTHING, Owned, call, encoded, library, nanoseconds, word
+from ._events import FenceEvent, MarginEvent, NearestEvent, read_fence_event, read_margin_event, read_nearest_event
+from ._library import Owned, call, encoded, library, nanoseconds
 from ._shapes import Shape, encode_parts
-from ._structs import CFence, CFenceEvent, CMargin, CMarginEvent, CNearest, CNearestEvent, CPart
+from ._structs import NOTHING, CFence, CFenceEvent, CMargin, CMarginEvent, CNearest, CNearestEvent, CPart
 from ._watch import SLICE_S
 
 _TELLS = {"enter": TELLS_ENTER, "exit": TELLS_EXIT, "cross": TELLS_CROSS}
 _ALL_LAYERS = 0xFFFFFFFF
-
-
-@dataclass(frozen=True)
-class FenceEvent:
-    """News of an object and a fence."""
-
-    kind: str  #: inside (was in when the watch began), enter, exit, cross (in and out between two poses)
-    reason: str  #: of an exit, such as "separated"; else empty
-    doubt: str  #: not empty: it is not known whether the object is in, which is told as if it were
-    resync: bool  #: inferred from the state after a gap
-    object: str
-    fence: str
-    epoch: int
-    sequence: int
-    episode: int  #: the sequence of the coming in
-    world_time_ns: int  #: of the step that found it, since 1970, by the publishers' clocks
-    entered_ns: int
-    bracket: tuple[float, float]  #: the change happened between these, in seconds before world_time_ns
-    left: tuple[float, float]  #: of cross: the same of the going out
-    point: tuple[float, float, float]
-    poses_merged: bool = False  #: the server replaced poses by newer ones, as of contacts
-
-
-@dataclass(frozen=True)
-class MarginEvent:
-    """News of two objects and a band of distance between them. Metres, seconds."""
-
-    kind: str  #: within (was so when the watch began), approach, near, contact, leave
-    reason: str  #: of a leave, such as "separated"; else empty
-    doubt: str  #: not empty: it is not known whether the two are in the band, which is told as if they were
-    resync: bool  #: inferred from the state after a gap
-    margin: str
-    object: str
-    around: str  #: the object that has the bands
-    band: float  #: 0: contact
-    epoch: int
-    sequence: int
-    episode: int  #: the sequence of the coming into the band
-    world_time_ns: int  #: of the step that told it, since 1970, by the publishers' clocks
-    entered_ns: int
-    bracket: tuple[float, float]  #: the change happened between these, in seconds before world_time_ns
-    distance: float  #: of approach, near and contact, at the end of the bracket; so are the next
-    distance_error: float
-    point: tuple[float, float, float]  #: of the object, nearest to the other
-    normal: tuple[float, float, float]  #: unit, from there to the other
-    closing: float  #: how fast the distance shrinks, m/s
-    closing_error: float
-    contact_in: tuple[float, float] | None  #: when the two would touch if both went on so; None: not within a minute
-    poses_merged: bool = False  #: the server replaced poses by newer ones, as of contacts
-
-
-@dataclass(frozen=True)
-class NearestEvent:
-    """News of a question for the nearest. Metres, seconds."""
-
-    kind: str  #: is (was nearest when the watch began), changed
-    reason: str  #: why from_object is not nearest any more: "separated" where another is nearer or it is too far away
-    doubt: str  #: not empty: one of the two is where a lost publisher said last, and there is no distance
-    resync: bool  #: inferred from the state after a gap
-    nearest: str  #: name of the question
-    from_object: str  #: that was nearest; empty: none, or that is not known
-    to: str  #: that is nearest; empty: nothing is near enough
-    epoch: int
-    sequence: int
-    world_time_ns: int  #: of the step that told it, since 1970, by the publishers' clocks
-    bracket: tuple[float, float]  #: the change happened between these, in seconds before world_time_ns
-    distance: float  #: of `to` at the end of the bracket; 0: they touch
-    distance_error: float
-    point: tuple[float, float, float]  #: of `to`; zero where they touch
-    normal: tuple[float, float, float]  #: unit, from there to what it is nearest to; zero where they touch
-    poses_merged: bool = False  #: the server replaced poses by newer ones, as of contacts
-
-
-def _triple(values: Any) -> tuple[float, float, float]:
-    return values[0], values[1], values[2]
-
-
-def _text(value: bytes) -> str:
-    return value.decode("utf-8", "surrogateescape")
-
-
-def _fence_event(told: CFenceEvent) -> FenceEvent:
-    return FenceEvent(
-        word(FENCE_EVENT_KIND, told.kind),
-        word(END_REASON, told.reason),
-        word(DOUBT, told.doubt),
-        bool(told.resync),
-        _text(told.object),
-        _text(told.fence),
-        told.epoch,
-        told.sequence,
-        told.episode,
-        told.world_time_ns,
-        told.entered_ns,
-        (told.bracket_low_s, told.bracket_high_s),
-        (told.left_low_s, told.left_high_s),
-        _triple(told.point),
-        bool(told.poses_merged),
-    )
-
-
-def _margin_event(told: CMarginEvent) -> MarginEvent:
-    return MarginEvent(
-        word(MARGIN_EVENT_KIND, told.kind),
-        word(END_REASON, told.reason),
-        word(DOUBT, told.doubt),
-        bool(told.resync),
-        _text(told.margin),
-        _text(told.object),
-        _text(told.around),
-        told.band_m,
-        told.epoch,
-        told.sequence,
-        told.episode,
-        told.world_time_ns,
-        told.entered_ns,
-        (told.bracket_low_s, told.bracket_high_s),
-        told.distance_m,
-        told.distance_error_m,
-        _triple(told.point),
-        _triple(told.normal),
-        told.closing_mps,
-        told.closing_error_mps,
-        (told.contact_in_low_s, told.contact_in_high_s) if told.has_contact_in else None,
-        bool(told.poses_merged),
-    )
-
-
-def _nearest_event(told: CNearestEvent) -> NearestEvent:
-    return NearestEvent(
-        word(NEAREST_EVENT_KIND, told.kind),
-        word(END_REASON, told.reason),
-        word(DOUBT, told.doubt),
-        bool(told.resync),
-        _text(told.nearest),
-        _text(told.from_object),
-        _text(told.to),
-        told.epoch,
-        told.sequence,
-        told.world_time_ns,
-        (told.bracket_low_s, told.bracket_high_s),
-        told.distance_m,
-        told.distance_error_m,
-        _triple(told.point),
-        _triple(told.normal),
-        bool(told.poses_merged),
-    )
 
 
 def _left_out(mask: int) -> int:
@@ -233,7 +77,7 @@ def add_margin(
         around=encoded(around, "around"),
         only=encoded(only, "only"),
         skip=encoded(skip, "skip"),
-        bands_m=numbers,
+        bands_m=ctypes.addressof(numbers),
         band_count=len(bands),
         hysteresis_m=hysteresis,
         dwell_ns=nanoseconds(dwell, "dwell"),
@@ -342,7 +186,7 @@ class FenceWatch(_Follower[FenceEvent]):
     _what = "the watch of fences"
     _kind = "fence"
     _event = CFenceEvent
-    _read = staticmethod(_fence_event)
+    _read = staticmethod(read_fence_event)
 
 
 class MarginWatch(_Follower[MarginEvent]):
@@ -351,7 +195,7 @@ class MarginWatch(_Follower[MarginEvent]):
     _what = "the watch of margins"
     _kind = "margin"
     _event = CMarginEvent
-    _read = staticmethod(_margin_event)
+    _read = staticmethod(read_margin_event)
 
 
 class NearestWatch(_Follower[NearestEvent]):
@@ -360,4 +204,4 @@ class NearestWatch(_Follower[NearestEvent]):
     _what = "the watch of the nearest"
     _kind = "nearest"
     _event = CNearestEvent
-    _read = staticmethod(_nearest_event)
+    _read = staticmethod(read_nearest_event)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
-from typing import Any
+from typing import Annotated
 
 from ._answers import Verdict
 
 Vector = tuple[float, float, float]
-_VERDICTS = {"miss": Verdict.MISS, "hit": Verdict.HIT}
+_CONTAINED = {"a": "a_in_b", "b": "b_in_a"}
 
 
 @dataclass(frozen=True)
@@ -18,10 +17,11 @@ class ClearancePair:
 
     a: str
     b: str
-    verdict: Verdict  #: HIT: they touch, or one lies within the other, which is solid
+    verdict: Annotated[Verdict, "answer"]  #: HIT: they touch, or one lies within the other, which is solid
     clearance: float  #: their distance; where they touch minus the depth
     error: float
-    contained: str  #: "a_in_b" or "b_in_a" where one lies wholly within the other, a solid; else empty
+    #: "a_in_b" or "b_in_a" where one lies wholly within the other, a solid; else empty
+    contained: Annotated[str, "contained", _CONTAINED]
     on_a: Vector
     on_b: Vector
     normal: Vector  #: unit, from a to b
@@ -32,7 +32,7 @@ class ClearancePair:
 class Clearance:
     """The nearest pairs of two groups. As a truth value it is its verdict's: some pair touches, or none does."""
 
-    verdict: Verdict
+    verdict: Annotated[Verdict, "answer"]
     pairs: tuple[ClearancePair, ...]  #: least clearance first; empty where all are farther apart than asked for
     cut: bool  #: more pairs are so near than were to be told
     late: bool  #: the deadline was over: a nearer pair may be missing
@@ -42,34 +42,3 @@ class Clearance:
 
     def __bool__(self) -> bool:
         return bool(self.verdict)
-
-
-def _triple(numbers: list[float]) -> Vector:
-    return numbers[0], numbers[1], numbers[2]
-
-
-def _pair(row: dict[str, Any]) -> ClearancePair:
-    return ClearancePair(
-        row["a"],
-        row["b"],
-        _VERDICTS.get(row["answer"], Verdict.UNDECIDED),
-        row["clearance"],
-        math.inf if row["error"] == "inf" else row["error"],
-        {"a": "a_in_b", "b": "b_in_a"}.get(row["contained"], ""),
-        _triple(row["on_a"]),
-        _triple(row["on_b"]),
-        _triple(row["normal"]),
-        row.get("stale", False),
-    )
-
-
-def read_clearance(answer: dict[str, Any]) -> Clearance:
-    return Clearance(
-        _VERDICTS.get(answer["answer"], Verdict.UNDECIDED),
-        tuple(map(_pair, answer["pairs"])),
-        answer.get("cut", False),
-        answer.get("late", False),
-        answer.get("stale", False),
-        answer["version"],
-        _triple(answer["uncovered"]) if answer.get("uncovered") else None,
-    )

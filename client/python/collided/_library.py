@@ -6,133 +6,20 @@ import ctypes
 import os
 import pathlib
 import warnings
-from ctypes import POINTER, c_char_p, c_double, c_int32, c_int64, c_size_t, c_uint32, c_uint64, c_void_p
+from ctypes import c_void_p
 from typing import Any
 
 from ._errors import BadInput, Disconnected, Error, InternalError, NoServer, Refused, Timeout
-from ._structs import (
-    AnswersInfo,
-    AskOptions,
-    CError,
-    CEvent,
-    CFence,
-    CFenceEvent,
-    CMargin,
-    CMarginEvent,
-    CNearest,
-    CNearestEvent,
-    CObject,
-    CPairAnswer,
-    CReport,
-    CStatus,
-    CVoxelScan,
-    Columns,
-    ConnectOptions,
-    RecordedAbout,
-    RecordedOptions,
-    PublishOptions,
-    VoxelOptions,
-    WatchOptions,
-)
+from ._structs import BAD_INPUT, DISCONNECTED, FUNCTIONS, NO_SERVER, NOTHING, OK, REFUSED, TIMEOUT, CError
 
 _NAME = "libcollided_client.so.1"
 
-_ERRORS: dict[int, type[Error]] = {2: BadInput, 3: NoServer, 4: Timeout, 5: Refused, 6: Disconnected}
-NOTHING = 1
-
-_OUT = POINTER(c_void_p)
-_ERROR = POINTER(CError)
-_ASK_END = [POINTER(AskOptions), _OUT, _ERROR]
-# Results and arguments of every function; without them ctypes would cut pointers to 32 bits.
-_FUNCTIONS: dict[str, tuple[Any, list[Any]]] = {
-    "version": (c_char_p, []),
-    "connect": (c_int32, [POINTER(ConnectOptions), _OUT, _ERROR]),
-    "close": (None, [c_void_p]),
-    "get_status": (c_int32, [c_void_p, POINTER(CStatus), _ERROR]),
-    "ask_defaults": (None, [POINTER(AskOptions), c_uint32]),
-    "ask_rays": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, c_void_p, *_ASK_END]),
-    "ask_spheres": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, *_ASK_END]),
-    "ask_boxes": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, c_void_p, *_ASK_END]),
-    "ask_nearest": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, *_ASK_END]),
-    "ask_inside": (c_int32, [c_void_p, c_size_t, c_void_p, *_ASK_END]),
-    "free_answers": (None, [c_void_p]),
-    "get_info": (None, [c_void_p, POINTER(AnswersInfo)]),
-    "read_columns": (None, [c_void_p, POINTER(Columns)]),
-    "hit_object": (c_char_p, [c_void_p, c_size_t]),
-    "pair": (c_int32, [c_void_p, c_char_p, c_char_p, c_int64, POINTER(CPairAnswer), _ERROR]),
-    "what_if": (
-        c_int32,
-        [c_void_p, POINTER(c_char_p), c_size_t, c_size_t, c_void_p, POINTER(c_char_p), c_size_t, c_double, *_ASK_END],
-    ),
-    "object_defaults": (None, [POINTER(CObject), c_uint32]),
-    "add": (c_int32, [c_void_p, POINTER(CObject), POINTER(c_uint64), _ERROR]),
-    "move": (c_int32, [c_void_p, c_char_p, c_void_p, c_void_p, c_int32, _ERROR]),
-    "remove": (c_int32, [c_void_p, c_char_p, POINTER(c_uint64), _ERROR]),
-    "allow": (c_int32, [c_void_p, c_char_p, c_char_p, c_char_p, POINTER(c_uint64), _ERROR]),
-    "deny": (c_int32, [c_void_p, c_char_p, c_char_p, POINTER(c_uint64), _ERROR]),
-    "attach": (c_int32, [c_void_p, c_char_p, c_char_p, _ERROR]),
-    "detach": (c_int32, [c_void_p, c_char_p, _ERROR]),
-    "command": (c_int32, [c_void_p, c_char_p, c_char_p, c_int64, _OUT, _ERROR]),
-    "free_text": (None, [c_void_p]),
-    # The callback stays null: events are polled, so that no thread of the library waits for Python's lock.
-    "watch_start": (c_int32, [c_void_p, POINTER(WatchOptions), c_void_p, c_void_p, _OUT, _ERROR]),
-    "watch_next": (c_int32, [c_void_p, c_int64, POINTER(CEvent), _ERROR]),
-    "watch_lost": (c_uint64, [c_void_p]),
-    "watch_in_step": (c_int32, [c_void_p]),
-    "watch_close": (None, [c_void_p]),
-    "fence_add": (c_int32, [c_void_p, POINTER(CFence), _ERROR]),
-    "fence_remove": (c_int32, [c_void_p, c_char_p, POINTER(c_uint64), _ERROR]),
-    "margin_add": (c_int32, [c_void_p, POINTER(CMargin), _ERROR]),
-    "margin_remove": (c_int32, [c_void_p, c_char_p, POINTER(c_uint64), _ERROR]),
-    "fence_watch_start": (c_int32, [c_void_p, c_char_p, c_char_p, _OUT, _ERROR]),
-    "fence_watch_next": (c_int32, [c_void_p, c_int64, POINTER(CFenceEvent), _ERROR]),
-    "fence_watch_lost": (c_uint64, [c_void_p]),
-    "fence_watch_in_step": (c_int32, [c_void_p]),
-    "fence_watch_close": (None, [c_void_p]),
-    "margin_watch_start": (c_int32, [c_void_p, c_char_p, c_char_p, _OUT, _ERROR]),
-    "margin_watch_next": (c_int32, [c_void_p, c_int64, POINTER(CMarginEvent), _ERROR]),
-    "margin_watch_lost": (c_uint64, [c_void_p]),
-    "margin_watch_in_step": (c_int32, [c_void_p]),
-    "margin_watch_close": (None, [c_void_p]),
-    "nearest_add": (c_int32, [c_void_p, POINTER(CNearest), _ERROR]),
-    "nearest_remove": (c_int32, [c_void_p, c_char_p, POINTER(c_uint64), _ERROR]),
-    "nearest_watch_start": (c_int32, [c_void_p, c_char_p, c_char_p, _OUT, _ERROR]),
-    "nearest_watch_next": (c_int32, [c_void_p, c_int64, POINTER(CNearestEvent), _ERROR]),
-    "nearest_watch_lost": (c_uint64, [c_void_p]),
-    "nearest_watch_in_step": (c_int32, [c_void_p]),
-    "nearest_watch_close": (None, [c_void_p]),
-    "read_recorded_fences": (c_int32, [c_char_p, POINTER(RecordedOptions), _OUT, _ERROR]),
-    "free_recorded_fences": (None, [c_void_p]),
-    "about_recorded_fences": (None, [c_void_p, POINTER(RecordedAbout)]),
-    "recorded_fence_event": (c_int32, [c_void_p, c_size_t, POINTER(CFenceEvent)]),
-    "recorded_margin_event": (c_int32, [c_void_p, c_size_t, POINTER(CMarginEvent)]),
-    "recorded_nearest_event": (c_int32, [c_void_p, c_size_t, POINTER(CNearestEvent)]),
-    "recorded_warning": (c_char_p, [c_void_p, c_size_t]),
-    "publish": (c_int32, [c_void_p, c_char_p, _OUT, _ERROR]),
-    "publish_leased": (c_int32, [c_void_p, c_char_p, c_int64, _OUT, _ERROR]),
-    "publish_defaults": (None, [POINTER(PublishOptions), c_uint32]),
-    "publish_with": (c_int32, [c_void_p, c_char_p, POINTER(PublishOptions), _OUT, _ERROR]),
-    "publisher_close": (None, [c_void_p]),
-    "publisher_add": (c_int32, [c_void_p, POINTER(CObject), POINTER(c_uint32), _ERROR]),
-    "publisher_claim": (
-        c_int32,
-        [c_void_p, c_char_p, POINTER(c_double), POINTER(c_double), c_int32, POINTER(c_uint32), _ERROR],
-    ),
-    "publisher_remove": (c_int32, [c_void_p, c_uint32, _ERROR]),
-    "publisher_move": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, c_void_p, c_int32, _ERROR]),
-    "publisher_flush": (c_int32, [c_void_p, c_int64, POINTER(c_uint64), _ERROR]),
-    "publisher_wait_applied": (c_int32, [c_void_p, c_int64, _ERROR]),
-    "publisher_report": (c_int32, [c_void_p, c_int64, POINTER(CReport), _ERROR]),
-    "publisher_keep_alive": (c_int32, [c_void_p, _ERROR]),
-    "publisher_keep_alive_at": (c_int32, [c_void_p, c_int64, _ERROR]),
-    "publisher_stream": (None, [c_void_p]),
-    "voxel_defaults": (None, [POINTER(VoxelOptions), c_uint32]),
-    "voxels_start": (c_int32, [c_void_p, c_char_p, POINTER(VoxelOptions), _OUT, _ERROR]),
-    "voxels_close": (None, [c_void_p]),
-    "voxels_insert": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, c_int64, POINTER(CVoxelScan), _ERROR]),
-    "voxels_insert_floats": (c_int32, [c_void_p, c_size_t, c_void_p, c_void_p, c_int64, POINTER(CVoxelScan), _ERROR]),
-    "voxels_decay": (c_int32, [c_void_p, c_int64, POINTER(c_size_t), _ERROR]),
-    "voxels_clear": (c_int32, [c_void_p, _ERROR]),
+_ERRORS: dict[int, type[Error]] = {
+    BAD_INPUT: BadInput,
+    NO_SERVER: NoServer,
+    TIMEOUT: Timeout,
+    REFUSED: Refused,
+    DISCONNECTED: Disconnected,
 }
 
 
@@ -153,7 +40,7 @@ def _load() -> ctypes.CDLL:
             f"the client library of Collided cannot be loaded: {cause}; install the package libcollided1, or set "
             f"COLLIDED_LIBRARY to the path of {_NAME}"
         ) from cause
-    for name, (result, arguments) in _FUNCTIONS.items():
+    for name, (result, arguments) in FUNCTIONS.items():
         function = getattr(library, "collided_" + name)
         function.restype = result
         function.argtypes = arguments
@@ -173,7 +60,7 @@ def call(name: str, *arguments: Any) -> int:
     report."""
     error = CError(size=ctypes.sizeof(CError))
     code = int(getattr(library, "collided_" + name)(*arguments, ctypes.byref(error)))
-    if code in (0, NOTHING):
+    if code in (OK, NOTHING):
         if error.message:
             warnings.warn(error.message.decode("utf-8", "replace"), RuntimeWarning, stacklevel=3)
         return code
@@ -187,6 +74,11 @@ def encoded(text: str, what: str) -> bytes:
     if "\0" in text:
         raise BadInput(f"{what} {text!r} holds a zero character", "nothing was sent")
     return text.encode("utf-8", "surrogateescape")
+
+
+def text(value: bytes | None) -> str:
+    """A text of C."""
+    return (value or b"").decode("utf-8", "surrogateescape")
 
 
 def word(words: tuple[str, ...], code: int) -> str:

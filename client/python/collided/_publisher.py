@@ -8,7 +8,7 @@ from typing import Sequence
 
 from . import _numbers, _voxels
 from ._contract import LOST_POLICY
-from ._library import Owned, call, code_of, encoded, library, nanoseconds
+from ._library import Owned, call, code_of, encoded, library, nanoseconds, text
 from ._numbers import Row, Rows
 from ._shapes import Shape, Solid, encode_object
 from ._structs import CReport
@@ -111,10 +111,6 @@ class Publisher(Owned):
         """Asks the server what it has not taken; after wait_applied() that counts everything sent before."""
         told = CReport(size=ctypes.sizeof(CReport))
         call("publisher_report", self._handle, nanoseconds(timeout, "timeout"), ctypes.byref(told))
-
-        def text(value: bytes | None) -> str:
-            return (value or b"").decode("utf-8", "surrogateescape")
-
         left_out = [(text(told.names[i]), text(told.reasons[i])) for i in range(told.name_count)]
         return PublisherReport(text(told.refused), left_out, told.left_out_count, told.merged_poses)
 

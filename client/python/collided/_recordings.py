@@ -8,11 +8,21 @@ from dataclasses import dataclass
 from typing import Any, Callable, TypeVar, cast
 
 from ._errors import BadInput
-from ._fences import FenceEvent, MarginEvent, NearestEvent, _fence_event, _margin_event, _nearest_event
+from ._events import FenceEvent, MarginEvent, NearestEvent, read_fence_event, read_margin_event, read_nearest_event
 from ._library import call, encoded, library
-from ._structs import CFenceEvent, CMarginEvent, CNearestEvent, RecordedAbout, RecordedOptions
+from ._structs import (
+    SINCE_1970,
+    SINCE_BEGIN,
+    SINCE_END,
+    SINCE_NONE,
+    CFenceEvent,
+    CMarginEvent,
+    CNearestEvent,
+    CRecordedAbout,
+    CRecordedOptions,
+)
 
-_SINCE = {"1970": 1, "begin": 2, "end": 3}
+_SINCE = {"1970": SINCE_1970, "begin": SINCE_BEGIN, "end": SINCE_END}
 
 
 @dataclass(frozen=True)
@@ -44,7 +54,7 @@ def _events(recorded: ctypes.c_void_p, count: int, kind: str, struct: type[Any],
 def _since(word: str, time_ns: int | None) -> int:
     if word not in _SINCE:
         raise BadInput(f"since is {word!r}; known are {', '.join(_SINCE)}", "nothing was read")
-    return 0 if time_ns is None else _SINCE[word]
+    return SINCE_NONE if time_ns is None else _SINCE[word]
 
 
 def recorded_fence_events(
@@ -63,8 +73,8 @@ def recorded_fence_events(
     to_ns       included; None: to its end
     since       what both count from: "1970", or the recording's "begin" or "end" (then mostly negative)
     """
-    options = RecordedOptions(
-        size=ctypes.sizeof(RecordedOptions),
+    options = CRecordedOptions(
+        size=ctypes.sizeof(CRecordedOptions),
         from_since=_since(since, from_ns),
         to_since=_since(since, to_ns),
         from_ns=from_ns or 0,
@@ -75,13 +85,13 @@ def recorded_fence_events(
     recorded = ctypes.c_void_p()
     call("read_recorded_fences", encoded(os.fspath(path), "the path"), ctypes.byref(options), ctypes.byref(recorded))
     try:
-        about = RecordedAbout(size=ctypes.sizeof(RecordedAbout))
+        about = CRecordedAbout(size=ctypes.sizeof(CRecordedAbout))
         library.collided_about_recorded_fences(recorded, ctypes.byref(about))
         warnings = [cast(bytes, library.collided_recorded_warning(recorded, i)) for i in range(about.warnings)]
         return RecordedFenceEvents(
-            _events(recorded, about.fences, "fence", CFenceEvent, _fence_event),
-            _events(recorded, about.margins, "margin", CMarginEvent, _margin_event),
-            _events(recorded, about.nearest, "nearest", CNearestEvent, _nearest_event),
+            _events(recorded, about.fences, "fence", CFenceEvent, read_fence_event),
+            _events(recorded, about.margins, "margin", CMarginEvent, read_margin_event),
+            _events(recorded, about.nearest, "nearest", CNearestEvent, read_nearest_event),
             about.begin_ns,
             about.end_ns,
             about.lost,

@@ -6,7 +6,7 @@ import ctypes
 from dataclasses import dataclass, field
 from typing import Any, Literal, Sequence, Union
 
-from . import _numbers
+from . import _numbers, _structs
 from ._contract import LOST_POLICY
 from ._errors import BadInput
 from ._library import code_of, encoded, library
@@ -135,49 +135,62 @@ class EncodedObject:
     kept: list[Any] = field(default_factory=list)
 
 
-def _numbers_of(part: Shape) -> tuple[int, list[float]]:
-    """The kind of a part and the numbers of its fixed size."""
+# The kinds of parts in C.
+_KINDS = {
+    Sphere: _structs.SPHERE,
+    Box: _structs.BOX,
+    Capsule: _structs.CAPSULE,
+    Cylinder: _structs.CYLINDER,
+    Cone: _structs.CONE,
+    Ellipsoid: _structs.ELLIPSOID,
+    HalfSpace: _structs.HALF_SPACE,
+    Hull: _structs.HULL,
+    Mesh: _structs.MESH,
+    HeightField: _structs.HEIGHT_FIELD,
+    Cloud: _structs.CLOUD,
+    Polyline: _structs.POLYLINE,
+}
+
+
+def _numbers_of(part: Shape) -> list[float]:
+    """The numbers of a part that has a fixed count of them."""
 
     def three(values: Row, what: str) -> list[float]:
         return list(_numbers.vector(values, 3, what))
 
     if isinstance(part, Sphere):
-        return 0, [*three(part.center, "center"), float(part.radius)]
+        return [*three(part.center, "center"), float(part.radius)]
     if isinstance(part, (Box, Ellipsoid)):
         turned = list(_numbers.vector(part.orientation, 4, "orientation"))
-        return 1 if isinstance(part, Box) else 5, [*three(part.half, "half"), *three(part.center, "center"), *turned]
+        return [*three(part.half, "half"), *three(part.center, "center"), *turned]
     if isinstance(part, (Capsule, Cylinder)):
-        return 2 if isinstance(part, Capsule) else 3, [*three(part.a, "a"), *three(part.b, "b"), float(part.radius)]
+        return [*three(part.a, "a"), *three(part.b, "b"), float(part.radius)]
     if isinstance(part, Cone):
-        return 4, [*three(part.apex, "apex"), *three(part.base, "base"), float(part.radius)]
+        return [*three(part.apex, "apex"), *three(part.base, "base"), float(part.radius)]
     if isinstance(part, HalfSpace):
-        return 6, [*three(part.normal, "normal"), *three(part.point, "point")]
-    if isinstance(part, (Cloud, Polyline)):
-        return 10 if isinstance(part, Cloud) else 11, [float(part.radius)]
-    raise BadInput(f"{type(part).__name__} is no shape", "shapes are collided.Sphere, collided.Box and so on")
+        return [*three(part.normal, "normal"), *three(part.point, "point")]
+    return [float(part.radius)] if isinstance(part, (Cloud, Polyline)) else []
 
 
 def _encode_part(part: Shape, kept: list[Any]) -> CPart:
-    encoded_part = CPart(size=ctypes.sizeof(CPart))
+    if type(part) not in _KINDS:
+        raise BadInput(f"{type(part).__name__} is no shape", "shapes are collided.Sphere, collided.Box and so on")
+    encoded_part = CPart(size=ctypes.sizeof(CPart), kind=_KINDS[type(part)])
     points: _numbers.Numbers | None = None
-    if isinstance(part, Hull):
-        encoded_part.kind, points = 7, _numbers.rows(part.points, 3, "points")
+    if isinstance(part, (Hull, Cloud, Polyline)):
+        points = _numbers.rows(part.points, 3, "points")
     elif isinstance(part, Mesh):
-        encoded_part.kind, points = 8, _numbers.rows(part.vertices, 3, "vertices")
+        points = _numbers.rows(part.vertices, 3, "vertices")
         triangles = _numbers.rows(part.triangles, 3, "triangles", "I")
         kept.append(triangles)
         encoded_part.triangles, encoded_part.triangle_count = triangles.pointer, triangles.count
     elif isinstance(part, HeightField):
         heights: Sequence[Any] = part.heights  # type: ignore[assignment]
         columns = len(heights[0]) if len(heights) > 0 else 0
-        encoded_part.kind = 9
         encoded_part.numbers[0:3] = [columns, float(part.spacing_x), float(part.spacing_y)]
         points = _numbers.rows([value for row in heights for value in row], 1, "heights")
-    else:
-        encoded_part.kind, numbers = _numbers_of(part)
-        encoded_part.numbers[0 : len(numbers)] = numbers
-        if isinstance(part, (Cloud, Polyline)):
-            points = _numbers.rows(part.points, 3, "points")
+    numbers = _numbers_of(part)
+    encoded_part.numbers[0 : len(numbers)] = numbers
     if points is not None:
         kept.append(points)
         encoded_part.points, encoded_part.point_count = points.pointer, points.count

@@ -9,7 +9,7 @@ from . import _numbers
 from ._contract import LOST_POLICY, UNKNOWN_CELLS
 from ._library import Owned, call, code_of, encoded, library, nanoseconds
 from ._numbers import Row, Rows
-from ._structs import CVoxelScan, VoxelOptions
+from ._structs import CVoxelScan, CVoxelOptions
 
 if TYPE_CHECKING:
     from ._publisher import Publisher
@@ -82,7 +82,7 @@ def start(
     lost: str,
 ) -> Voxels:
     """A grid of this publisher; see Publisher.voxels()."""
-    options = VoxelOptions()
+    options = CVoxelOptions()
     library.collided_voxel_defaults(ctypes.byref(options), ctypes.sizeof(options))
     options.cell_m, options.reach_m, options.layers = cell, reach, layers
     options.unknown, options.lost_policy = code_of(unknown, UNKNOWN_CELLS, "unknown"), code_of(lost, LOST_POLICY, "lost")

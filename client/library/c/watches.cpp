@@ -1,14 +1,18 @@
 #include <optional>
 
-#include "client/library/c/fence_events.hpp"
+#include "client/library/c/lent_events.hpp"
 #include "client/library/c/values.hpp"
 
 using namespace collided;
 using namespace collided::c;
 
+struct collided_watch {
+  Watch watch;
+  std::optional<Event> newest = {};  // its texts are lent to the caller until the next call
+};
 struct collided_fence_watch {
   FenceWatch watch;
-  std::optional<FenceEvent> newest = {};  // its texts are lent to the caller until the next call
+  std::optional<FenceEvent> newest = {};
 };
 struct collided_margin_watch {
   MarginWatch watch;
@@ -39,15 +43,26 @@ Result<Fence> fence_of(const collided_fence& given) {
   return fence;
 }
 
-/// The next event of a watch of any kind.
-template <class FollowedWatch, class Told, class Lend>
-int next_event(FollowedWatch* watch, std::int64_t wait_ns, Told* event, collided_error* error, const Lend& lend) {
+WatchOptions watch_options(const collided_watch_options* options) {
+  const collided_watch_options given = taken(options);
+  WatchOptions made;
+  made.only = text(given.only);
+  made.skip = text(given.skip);
+  made.persisted = given.persisted != 0;
+  if (given.capacity > 0) made.capacity = given.capacity;
+  if (given.since_ns != 0) made.since = std::chrono::nanoseconds(given.since_ns);
+  return made;
+}
+
+/// The next event of a watch of any kind. Its texts are lent until the next call.
+template <class EventWatch, class Told>
+int next_event(EventWatch* watch, std::int64_t wait_ns, Told* event, collided_error* error) {
   bool nothing = false;
   const int code = guarded(error, [&]() -> Result<void> {
     if (!watch) return missing("watch");
     watch->newest = watch->watch.next(std::chrono::nanoseconds(wait_ns));
     nothing = !watch->newest;
-    if (!nothing) give(lend(*watch->newest), event);
+    if (!nothing) give(lent(*watch->newest), event);
     return {};
   });
   return code == COLLIDED_OK && nothing ? static_cast<int>(COLLIDED_NOTHING) : code;
@@ -82,6 +97,28 @@ int start_watch(collided_client* client, FollowedWatch** watch, collided_error* 
 }  // namespace
 
 extern "C" {
+
+int collided_watch_start(collided_client* client, const collided_watch_options* options,
+                         collided_event_callback callback, void* user, collided_watch** watch, collided_error* error) {
+  return start_watch(client, watch, error, [&](Client& from) {
+    std::function<void(const Event&)> call;
+    if (callback) {
+      call = [callback, user](const Event& event) {
+        const collided_event told = lent(event);
+        callback(&told, user);
+      };
+    }
+    return from.watch(watch_options(options), std::move(call));
+  });
+}
+
+int collided_watch_next(collided_watch* watch, int64_t wait_ns, collided_event* event, collided_error* error) {
+  return next_event(watch, wait_ns, event, error);
+}
+
+uint64_t collided_watch_lost(const collided_watch* watch) { return watch ? watch->watch.lost() : 0; }
+int32_t collided_watch_in_step(const collided_watch* watch) { return watch && watch->watch.in_step() ? 1 : 0; }
+void collided_watch_close(collided_watch* watch) { delete watch; }
 
 int collided_fence_add(collided_client* client, const collided_fence* fence, collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
@@ -152,7 +189,7 @@ int collided_fence_watch_start(collided_client* client, const char* only, const 
 
 int collided_fence_watch_next(collided_fence_watch* watch, int64_t wait_ns, collided_fence_event* event,
                               collided_error* error) {
-  return next_event(watch, wait_ns, event, error, lend_fence);
+  return next_event(watch, wait_ns, event, error);
 }
 uint64_t collided_fence_watch_lost(const collided_fence_watch* watch) { return watch ? watch->watch.lost() : 0; }
 int32_t collided_fence_watch_in_step(const collided_fence_watch* watch) {
@@ -168,7 +205,7 @@ int collided_margin_watch_start(collided_client* client, const char* only, const
 
 int collided_margin_watch_next(collided_margin_watch* watch, int64_t wait_ns, collided_margin_event* event,
                                collided_error* error) {
-  return next_event(watch, wait_ns, event, error, lend_margin);
+  return next_event(watch, wait_ns, event, error);
 }
 uint64_t collided_margin_watch_lost(const collided_margin_watch* watch) { return watch ? watch->watch.lost() : 0; }
 int32_t collided_margin_watch_in_step(const collided_margin_watch* watch) {
@@ -184,7 +221,7 @@ int collided_nearest_watch_start(collided_client* client, const char* only, cons
 
 int collided_nearest_watch_next(collided_nearest_watch* watch, int64_t wait_ns, collided_nearest_event* event,
                                 collided_error* error) {
-  return next_event(watch, wait_ns, event, error, lend_nearest);
+  return next_event(watch, wait_ns, event, error);
 }
 uint64_t collided_nearest_watch_lost(const collided_nearest_watch* watch) { return watch ? watch->watch.lost() : 0; }
 int32_t collided_nearest_watch_in_step(const collided_nearest_watch* watch) {
