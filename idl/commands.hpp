@@ -7,12 +7,10 @@
 /// hint only where there is one. Poses are [x, y, z, qw, qx, qy, qz] in metres; a name may be a glob (* ? [..]) where
 /// that is said. The answer of a command that changes the world has not_kept (why it would not outlive a crash) where
 /// that is so, and keeps_nothing (true) where the server has no folder to keep anything in. Each command stands here with
-/// its answer (->); command_table.hpp has its arguments and its right.
+/// its answer (->), members or a struct whose members idl/answers lists; command_table.hpp has its arguments and its right.
 namespace collided::wire_contract::command {
 
-/// Loads a file into the world.
-/// -> scene, triangles, parts, objects, seconds, placed [], notes [], mended [], refused [], warnings [], left_out [],
-///    covers, version.
+/// Loads a file into the world. -> Loaded, and tiles {read, of, triangles_of_file} where the file is in tiles.
 /// Replies of status `progress` with {"fraction": f} may come before.
 inline constexpr const char* kLoad = "load";
 
@@ -24,26 +22,25 @@ inline constexpr const char* kUpload = "upload";
 inline constexpr const char* kPiece = "piece";
 inline constexpr std::uint64_t kUploadPieceBytes = std::uint64_t{256} << 10;
 
-/// -> removed, kept (objects of live publishers, and those that the keys are not for), ended, version
+/// -> Cleared (kept: also objects that the keys are not for), and detached as of `remove`
 inline constexpr const char* kClear = "clear";
 
-/// The shape is the query's blob.
-/// -> name, id, version, warning (where the mesh is more than the border of a solid)
+/// The shape is the query's blob. -> name, and Added
 inline constexpr const char* kAdd = "add";
 
-/// -> name, moved_m, began [names], ended [names], version. Refused for an object of a live publisher.
+/// -> name, and Moved. Refused for an object of a live publisher.
 inline constexpr const char* kMove = "move";
 
-/// -> removed [names], detached [names] (what was attached to them and stays; only where there is any), ended, version.
+/// -> Removed, and detached [names] (what was attached to them and stays; only where there is any).
 /// Refused for objects of a live publisher.
 inline constexpr const char* kRemove = "remove";
 
-/// -> objects [{name, id, kind, moving, scene, publisher, position, triangles, layers, stale, attached_to (only where it
-/// is), bounds [low, high] (null for a side without end, or in place of both where there is no triangle)}], count, version
+/// -> ObjectList, each object with bounds [low, high] where they were requested (null for a side without end, or in place
+/// of both where there is no triangle)
 inline constexpr const char* kList = "list";
 
-/// -> as in list, and mask, group, pose, velocity, shape [{sphere|box|capsule|mesh ...}], bounds [low, high],
-/// age_ns, contacts [names], in_doubt [names], name_wanted_by [publishers]; the last two only where there are any
+/// -> ObjectDetails, and shape [{sphere|box|capsule|mesh ...}], bounds as in list, velocity, in_doubt [names],
+/// name_wanted_by [publishers] (the last two only where there are any), version
 inline constexpr const char* kGet = "get";
 
 /// -> objects [{name, why}] (at most 20 that the publisher has defined and the world does not have), count (of all of
@@ -55,8 +52,8 @@ inline constexpr const char* kLeftOut = "left_out";
 ///    the server's clock), event_sequence (all are told up to this one), epoch; heir_of (whose place it took), told_from
 inline constexpr const char* kSettled = "settled";
 
-/// -> structures [{structure, built, why, saves}], pairs [{a, b, how}], scenes [{scene, load}], bytes. load: the
-/// arguments of the command load that would bring the scene back; null for a file that a client sent
+/// -> Plan, and scenes [{scene, load, tiles}]. load: the arguments of the command load that would bring the scene back;
+/// null for a file that a client sent
 inline constexpr const char* kPlan = "plan";
 
 /// -> covers (as in load, of all that is loaded; null: none was ever stated, so all of space is covered), version
@@ -73,28 +70,13 @@ inline constexpr const char* kShard = "shard";
 /// that is no shard of the next map covers nothing from then on. -> version
 inline constexpr const char* kSuccession = "succession";
 
-/// -> every (one answer in so many is worked out again; 0: none), chosen, audited, differing, skipped,
-///    differences [text], questions [{kind, double, expansion, rational}] (answers by the highest level needed),
-///    opinion {agree, differ, failed, unsupported} (counts, where the server was started to ask FCL; else absent),
-///    float_repairs (times that a thread's floating-point settings had to be restored)
+/// -> Audit
 inline constexpr const char* kAudit = "audit";
 
-/// What the server has done since its start; the difference of two answers gives rates and quantiles
-/// -> up_ns, keeps_nothing (the server has no folder for its journal), version, step_period_ns (0: on sample), steps, stalled_steps, step_durations [[ns at most, count]],
-///    stages [{stage, ns}], pairs {moved, candidates, filtered, exact_tests, undecided, in_doubt, swept, kept_apart},
-///    fences {count (with the bands of margins and the questions for the nearest), entered (that something is in), inside (objects in them), events,
-///    cut_short (searches that ended at their limit)},
-///    poses {applied, late, unknown, refused, superseded, dropped}, stamps {late, jumped, missing},
-///    clocks [{publisher, behind_ns}], refused (requests), undecided (answers),
-///    filters_dropped (name patterns that were worked out and gave their memory to others),
-///    questions [{kind, answered, durations [[ns at most, count]]}] (durations of the samples that they come in),
-///    not_built [structure], tiles [{scene, read, of (tiles of its file), triangles (held), triangles_of_file}] (scenes in tiles)
+/// What the server has done since its start. -> Figures
 inline constexpr const char* kFigures = "figures";
 
-/// The newest steps of the world, the oldest first.
-/// -> steps [{version, world_time_ns, whole_ns, take_ns, update_ns, index_ns, test_ns, events_ns, publish_ns, moved,
-///    candidates (pairs), exact_tests, contacts, events}]. The stages have clock readings of their own; whole_ns is
-///    measured apart
+/// The newest steps of the world, the oldest first. -> NewestSteps
 inline constexpr const char* kSteps = "steps";
 inline constexpr std::uint64_t kMostSteps = 256;
 
@@ -132,28 +114,28 @@ inline constexpr const char* kClientGone = R"({"gone":true})";
 inline constexpr const char* kFences = "fences";
 
 /// How two objects stand to each other.
-/// -> PairAnswer; idl/answers/pair.hpp lists its members. triangle_pairs, pair_count and cut are absent where no triangles
+/// -> PairAnswer. triangle_pairs, pair_count and cut are absent where no triangles
 ///    meet; `opinion` has FCL's touches and distance, each absent where it gives none
 inline constexpr const char* kPair = "pair";
 
 /// Why two objects touch or do not, and why events do or do not say so.
 /// -> as pair without triangles and certificate, and the members of ExplainedPair
 /// With ray: why it meets what it meets -> ExplainedRay. With fence, nearest or event: ExplainedFence, ExplainedNearest,
-/// ExplainedEvent. Of the structs idl/answers/explanation.hpp lists the members.
+/// ExplainedEvent.
 inline constexpr const char* kExplain = "explain";
 
 /// Rules of which pairs may touch: their contacts are none, and end with reason `allowed`. The last rule that fits a pair
-/// decides, at most 64. -> rules (how many there are), a_count, b_count (objects that match), ended, version
+/// decides, at most 64. -> RuleChanged, its contacts as `ended`
 inline constexpr const char* kAllow = "allow";
 /// Takes back the rule of these two, and what other rules allow of them.
-/// -> rules, a_count, b_count, began, version
+/// -> RuleChanged, its contacts as `began`
 inline constexpr const char* kDeny = "deny";
-/// -> rules [{a, b, because, allows (false: of deny)}] in their order, version
+/// -> rules [ListedRule] in their order, version
 inline constexpr const char* kAllowed = "allowed";
 
 /// The nearest pairs of two groups, each object of one with each of the other. A group is named by an object, a scene
 /// (all that was loaded with it) or a glob.
-/// -> ClearanceAnswer; idl/answers/pair.hpp lists its members
+/// -> ClearanceAnswer
 inline constexpr const char* kClearance = "clearance";
 
 /// An object that no publisher has moves along with another one, until one of the two is removed or the first is
@@ -177,10 +159,7 @@ inline constexpr const char* kTakeOver = "take_over";
 /// With number: up to 1 MiB of that file, as it is and not as JSON. The newest four can be fetched.
 inline constexpr const char* kRecording = "recording";
 
-/// -> rows [{kind (a question's, or sweep, pair, mesh pair), method, asked, judged (of those, compared with rationals
-///    over every part), undecided, wrong (of the judged), worst_error, worst_bound (m, or "inf"), p50_ns, p99_ns}],
-///    seed, version, late (true where the deadline ended it before its last question). Takes seconds. With an opinion the
-///    rows of pairs asked exactly have opinion {agree, differ, failed, unsupported} (counts).
+/// What each way of answering costs. Takes seconds. -> Menu
 /// With `of` the questions are the query's blob, little-endian doubles, of each ray 7 (from, direction, length), sphere 4
 /// (centre, radius), box 10 (centre, half sizes, rotation w x y z), near 4 (point, reach); a length and a reach may be
 /// infinite. At most kMostMenuQuestions.

@@ -36,6 +36,11 @@ std::chrono::nanoseconds command_timeout(const Globals& globals, std::string_vie
 
 }  // namespace
 
+Failure unfit_answer(const nlohmann::json::exception& why) {
+  return Failure(Exit::refused, fmt::format("the server's answer does not fit: {}", why.what()),
+                 "server and collide may be of different versions");
+}
+
 nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name,
                               const nlohmann::json& arguments, const Shape& shape,
                               std::function<void(double)> progress) {
@@ -98,36 +103,6 @@ nlohmann::json object_command(Session& session, const Globals& globals, std::str
     if (const std::optional<Failure> unknown = unknown_object(session, globals, object)) throw Failure(*unknown);
     throw;
   }
-}
-
-std::string text_of(const nlohmann::json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_string() ? found->get<std::string>() : std::string();
-}
-
-std::uint64_t count_of(const nlohmann::json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_number_unsigned() ? found->get<std::uint64_t>() : 0;
-}
-
-double number_of(const nlohmann::json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_number() ? found->get<double>() : 0;
-}
-
-bool flag_of(const nlohmann::json& object, const char* key) {
-  const auto found = object.find(key);
-  return found != object.end() && found->is_boolean() && found->get<bool>();
-}
-
-std::vector<std::string> texts_of(const nlohmann::json& object, const char* key) {
-  std::vector<std::string> texts;
-  const auto found = object.find(key);
-  if (found == object.end() || !found->is_array()) return texts;
-  for (const nlohmann::json& entry : *found) {
-    if (entry.is_string()) texts.push_back(entry.get<std::string>());
-  }
-  return texts;
 }
 
 std::vector<double> numbers_of(const nlohmann::json& object, const char* key) {

@@ -4,17 +4,36 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include <nlohmann/json.hpp>
 
 #include "client/cli/session.hpp"
+#include "idl/described_json.hpp"
 
 namespace collided::cli {
+
+Failure unfit_answer(const nlohmann::json::exception& why);
 
 /// Sends a command and returns its answer. Throws Failure, with the server's message where it refuses.
 nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name,
                               const nlohmann::json& arguments, const Shape& shape = {},
                               std::function<void(double)> progress = {});
+
+/// The JSON as an answer, whose members keep their default values where they are missing. Throws Failure where one is of
+/// another type.
+template <class Answer>
+Answer answer_in(const nlohmann::json& json) {
+  try {
+    return from_json<Answer>(json, true);
+  } catch (const nlohmann::json::exception& unfit) { throw unfit_answer(unfit); }
+}
+
+/// Sends a command and returns its answer. Throws Failure.
+template <class Answer>
+Answer server_answer(Session& session, const Globals& globals, std::string_view name, const nlohmann::json& arguments) {
+  return answer_in<Answer>(server_command(session, globals, name, arguments));
+}
 
 /// The same for a command that takes bytes.
 nlohmann::json server_command_with_bytes(Session& session, const Globals& globals, std::string_view name,
@@ -33,12 +52,25 @@ std::optional<Failure> unknown_object(Session& session, const Globals& globals, 
 nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command,
                               const std::string& object, const nlohmann::json& arguments);
 
-/// Members of a JSON answer; empty, 0 or false where they are missing or of another type.
-std::string text_of(const nlohmann::json& object, const char* key);
-std::uint64_t count_of(const nlohmann::json& object, const char* key);
-double number_of(const nlohmann::json& object, const char* key);
-bool flag_of(const nlohmann::json& object, const char* key);
-std::vector<std::string> texts_of(const nlohmann::json& object, const char* key);
+/// A member of a JSON answer; empty, 0 or false where it is missing or of another type.
+template <class Member>
+Member member_of(const nlohmann::json& object, const char* key) {
+  const auto found = object.find(key);
+  try {
+    return found == object.end() ? Member() : from_json<Member>(*found);
+  } catch (const nlohmann::json::exception&) { return Member(); }
+}
+inline std::string text_of(const nlohmann::json& object, const char* key) {
+  return member_of<std::string>(object, key);
+}
+inline std::uint64_t count_of(const nlohmann::json& object, const char* key) {
+  return member_of<std::uint64_t>(object, key);
+}
+inline double number_of(const nlohmann::json& object, const char* key) { return member_of<double>(object, key); }
+inline bool flag_of(const nlohmann::json& object, const char* key) { return member_of<bool>(object, key); }
+inline std::vector<std::string> texts_of(const nlohmann::json& object, const char* key) {
+  return member_of<std::vector<std::string>>(object, key);
+}
 /// The first numbers of an array member; fewer where it is shorter.
 std::vector<double> numbers_of(const nlohmann::json& object, const char* key);
 

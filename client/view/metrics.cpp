@@ -92,27 +92,28 @@ void write_figures(Writer& to, const Figures& figures) {
   to.head("step_duration_seconds", "histogram", "Duration of a step.");
   to.histogram(figures.step_durations, "");
   to.head("stage_seconds_total", "counter", "Time spent in each stage of steps.");
-  for (const Stage& stage : figures.stages) to.line(static_cast<double>(stage.ns) / 1e9, "stage=" + label(stage.name));
-  to.one("pairs_in_doubt", "gauge", "Pairs neither known to touch nor to be apart.", figures.in_doubt);
-  to.one("fences", "gauge", "Fences and bands of margins.", figures.fences);
-  to.one("fences_entered", "gauge", "Of them, those that something is in.", figures.fences_entered);
+  for (const StageTime& stage : figures.stages)
+    to.line(static_cast<double>(stage.ns) / 1e9, "stage=" + label(stage.stage));
+  to.one("pairs_in_doubt", "gauge", "Pairs neither known to touch nor to be apart.", figures.pairs.in_doubt);
+  to.one("fences", "gauge", "Fences and bands of margins.", figures.fences.count);
+  to.one("fences_entered", "gauge", "Of them, those that something is in.", figures.fences.entered);
   to.one("fences_cut_short_total", "counter", "Searches for fences, bands and the nearest that ended at their limit.",
-         figures.fences_cut_short);
-  to.one("fence_events_total", "counter", "Objects that came into a fence or went out.", figures.fence_events);
-  to.one("pair_candidates_total", "counter", "Pairs of movers that the broad phase found.", figures.candidates);
+         figures.fences.cut_short);
+  to.one("fence_events_total", "counter", "Objects that came into a fence or went out.", figures.fences.events);
+  to.one("pair_candidates_total", "counter", "Pairs of movers that the broad phase found.", figures.pairs.candidates);
   to.one("pairs_filtered_total", "counter", "Pairs of movers that layers, masks or groups keep apart.",
-         figures.filtered);
-  to.one("pair_tests_total", "counter", "Pairs tested exactly.", figures.exact_tests);
-  to.one("poses_applied_total", "counter", "Poses applied.", figures.poses_applied);
-  to.one("poses_late_total", "counter", "Poses that came too late to move anything.", figures.poses_late);
-  to.one("poses_lost_total", "counter", "Poses unknown, refused, superseded or dropped.", figures.poses_lost);
-  to.one("stamps_late_total", "counter", "Batches whose time is before an earlier one.", figures.stamps_late);
-  to.one("requests_refused_total", "counter", "Questions refused.", figures.refused_requests);
-  to.one("answers_undecided_total", "counter", "Answers that are neither yes nor no.", figures.undecided_answers);
+         figures.pairs.filtered);
+  to.one("pair_tests_total", "counter", "Pairs tested exactly.", figures.pairs.exact_tests);
+  to.one("poses_applied_total", "counter", "Poses applied.", figures.poses.applied);
+  to.one("poses_late_total", "counter", "Poses that came too late to move anything.", figures.poses.late);
+  to.one("poses_lost_total", "counter", "Poses unknown, refused, superseded or dropped.", figures.poses.lost());
+  to.one("stamps_late_total", "counter", "Batches whose time is before an earlier one.", figures.stamps.late);
+  to.one("requests_refused_total", "counter", "Questions refused.", figures.refused);
+  to.one("answers_undecided_total", "counter", "Answers that are neither yes nor no.", figures.undecided);
   to.head("questions_answered_total", "counter", "Questions answered.");
-  for (const Asked& asked : figures.questions) to.line(asked.answered, "kind=" + label(asked.kind));
+  for (const AskedKind& asked : figures.questions) to.line(asked.answered, "kind=" + label(asked.kind));
   to.head("message_duration_seconds", "histogram", "Duration of answering one message of questions.");
-  for (const Asked& asked : figures.questions) to.histogram(asked.durations, "kind=" + label(asked.kind));
+  for (const AskedKind& asked : figures.questions) to.histogram(asked.durations, "kind=" + label(asked.kind));
 }
 
 }  // namespace

@@ -4,6 +4,9 @@
 
 #include "client/view/json_text.hpp"
 #include "client/view/page_messages.hpp"
+#include "idl/answers/commands.hpp"
+#include "idl/answers/pair.hpp"
+#include "idl/described_json.hpp"
 
 namespace collided::view {
 namespace {
@@ -91,50 +94,17 @@ std::string nearest_answer_text(double id, const std::string& name, const Result
 
 std::string pair_answer_text(double id, const std::string& a, const std::string& b, const Result<PairAnswer>& answer) {
   if (!answer) return refused_text(id, answer.error().message);
-  json text{{"type", "answer"},
-            {"ask", "pair"},
-            {"id", id},
-            {"a", a},
-            {"b", b},
-            {"answer", name_of(answer->verdict)},
-            {"error", number(answer->error_m)}};
-  if (answer->verdict == Verdict::undecided) text["reason"] = name_of(answer->reason);
-  if (answer->verdict == Verdict::hit) {
-    text["depth"] = number(answer->depth_m);
-    text["point"] = numbers(answer->point);
-  } else if (answer->verdict == Verdict::miss) {
-    text["distance"] = number(answer->distance_m);
-    text["on_a"] = numbers(answer->on_a);
-    text["on_b"] = numbers(answer->on_b);
-  }
+  json text = json_of(*answer);
+  text.update({{"type", "answer"}, {"ask", "pair"}, {"id", id}, {"a", a}, {"b", b}});
   return text_of(text);
 }
 
 std::string object_answer_text(double id, const Result<ObjectDetails>& object) {
   if (!object) return refused_text(id, object.error().message);
-  json text{{"type", "answer"},
-            {"ask", "object"},
-            {"id", id},
-            {"name", object->name},
-            {"kind", object->kind},
-            {"moving", object->moving},
-            {"scene", object->scene},
-            {"publisher", object->publisher},
-            {"layers", object->layers},
-            {"mask", object->mask},
-            {"group", object->group},
-            {"triangles", object->triangles},
-            {"stale", object->stale},
-            {"solid", object->solid},
-            {"bounds", {numbers(object->bounds[0]), numbers(object->bounds[1])}},
-            {"contacts", object->contacts}};
+  json text = json_of(*object);
+  text.update({{"type", "answer"}, {"ask", "object"}, {"id", id}});
+  text["bounds"] = {numbers(object->bounds[0]), numbers(object->bounds[1])};
   if (object->age) text["age"] = seconds(*object->age);
-  if (object->pose) {
-    json pose = json::array();
-    append(pose, object->pose->position);
-    append(pose, object->pose->rotation);
-    text["pose"] = std::move(pose);
-  }
   return text_of(text);
 }
 

@@ -1,5 +1,7 @@
 #include "client/view/page_messages.hpp"
+#include "client/view/described_status.hpp"
 #include "client/view/json_text.hpp"
+#include "idl/described_json.hpp"
 
 #include <bit>
 #include <cmath>
@@ -139,25 +141,25 @@ json recent_text(const Figures& recent) {
     return ns ? json(static_cast<double>(*ns) * 1e-9) : json(nullptr);
   };
   json stages = json::array();
-  for (const Stage& stage : recent.stages)
-    stages.push_back({{"stage", stage.name}, {"share", static_cast<double>(stage.ns) * 1e-9 / over_s}});
+  for (const StageTime& stage : recent.stages)
+    stages.push_back({{"stage", stage.stage}, {"share", static_cast<double>(stage.ns) * 1e-9 / over_s}});
   json asked = json::array();
-  for (const Asked& kind : recent.questions) {
+  for (const AskedKind& kind : recent.questions) {
     asked.push_back({{"kind", kind.kind},
                      {"rate", rate(kind.answered)},
                      {"p50", quantile(kind.durations, 0.5)},
                      {"p99", quantile(kind.durations, 0.99)}});
   }
-  return {
-      {"stages", stages},
-      {"asked", asked},
-      {"steps", rate(recent.steps)},
-      {"step_p50", quantile(recent.step_durations, 0.5)},
-      {"step_p99", quantile(recent.step_durations, 0.99)},
-      {"poses", rate(recent.poses_applied)},
-      {"candidates",
-       recent.steps > 0 ? static_cast<double>(recent.candidates) / static_cast<double>(recent.steps) : 0.0},
-      {"filtered", recent.steps > 0 ? static_cast<double>(recent.filtered) / static_cast<double>(recent.steps) : 0.0}};
+  return {{"stages", stages},
+          {"asked", asked},
+          {"steps", rate(recent.steps)},
+          {"step_p50", quantile(recent.step_durations, 0.5)},
+          {"step_p99", quantile(recent.step_durations, 0.99)},
+          {"poses", rate(recent.poses.applied)},
+          {"candidates",
+           recent.steps > 0 ? static_cast<double>(recent.pairs.candidates) / static_cast<double>(recent.steps) : 0.0},
+          {"filtered",
+           recent.steps > 0 ? static_cast<double>(recent.pairs.filtered) / static_cast<double>(recent.steps) : 0.0}};
 }
 
 }  // namespace
@@ -215,32 +217,14 @@ std::string contacts_text(std::span<const Event> contacts, std::size_t most) {
 }
 
 std::string status_text(const ServerStatus& status, const std::optional<Figures>& recent) {
-  json publishers = json::array();
-  for (const PublisherInfo& publisher : status.publishers) {
-    publishers.push_back({{"name", publisher.name},
-                          {"messages", publisher.applied_sequence},
-                          {"silent", seconds(publisher.silent)},
-                          {"lost", publisher.lost}});
+  json text = json_of(status);
+  for (json& publisher : text["publishers"]) {
+    publisher["messages"] = publisher["applied_sequence"];
+    publisher.erase("applied_sequence");
   }
-  json text{{"type", "status"},
-            {"state", status.state},
-            {"version_text", status.version_text},
-            {"pid", status.pid},
-            {"namespace", status.name_space},
-            {"in_doubt", recent ? json(recent->in_doubt) : json(nullptr)},
-            {"epoch", status.epoch},
-            {"world", status.version},
-            {"world_time", seconds(status.world_time)},
-            {"scenes", status.scenes},
-            {"static_triangles", status.static_triangles},
-            {"objects", status.objects},
-            {"moving", status.moving},
-            {"contacts", status.contacts},
-            {"contacts_truncated", status.contacts_truncated},
-            {"questions_answered", status.questions_answered},
-            {"undecided_answers", status.undecided_answers},
-            {"step_lasting", seconds(status.step_lasting)},
-            {"publishers", publishers}};
+  for (const char* unused : {"poses_applied", "poses_dropped", "questions_refused", "last_event_sequence", "age"})
+    text.erase(unused);
+  text.update({{"type", "status"}, {"in_doubt", recent ? json(recent->pairs.in_doubt) : json(nullptr)}});
   if (recent) text["recent"] = recent_text(*recent);
   return text_of(text);
 }

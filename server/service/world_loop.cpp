@@ -263,27 +263,27 @@ void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
   sums_.test_ns.add(static_cast<std::uint64_t>(cost.exact_ns));
   sums_.events_ns.add(static_cast<std::uint64_t>(cost.events_ns));
   sums_.publish_ns.add(static_cast<std::uint64_t>(ended_ns - stepped_ns));
-  sums_.poses_applied.set(publishers_.counts().poses_applied);
-  sums_.moved.add(cost.moved);
-  sums_.candidates.add(cost.candidate_pairs);
-  sums_.filtered.add(cost.filtered);
-  sums_.exact_tests.add(cost.exact_tests);
-  sums_.undecided.add(cost.undecided);
-  sums_.in_doubt.set(with_.world.doubt_count());
-  sums_.swept.add(cost.swept);
-  sums_.kept_apart.add(cost.kept_apart);
+  sums_.poses.applied.set(publishers_.counts().poses_applied);
+  sums_.pairs.moved.add(cost.moved);
+  sums_.pairs.candidates.add(cost.candidate_pairs);
+  sums_.pairs.filtered.add(cost.filtered);
+  sums_.pairs.exact_tests.add(cost.exact_tests);
+  sums_.pairs.undecided.add(cost.undecided);
+  sums_.pairs.in_doubt.set(with_.world.doubt_count());
+  sums_.pairs.swept.add(cost.swept);
+  sums_.pairs.kept_apart.add(cost.kept_apart);
   sum_up_fences();
   sums_.durations.add(ended_ns - started_ns);
   const SnapshotRing::Lease state = with_.world.newest();
   traces_.add({.version = state->version,
                .world_time_ns = state->world_time_ns,
-               .whole_ns = taken_ns_ + ended_ns - started_ns,
                .take_ns = taken_ns_,
                .update_ns = cost.update_ns,
                .index_ns = cost.broad_ns,
                .test_ns = cost.exact_ns,
                .events_ns = cost.events_ns,
                .publish_ns = ended_ns - stepped_ns,
+               .whole_ns = taken_ns_ + ended_ns - started_ns,
                .moved = cost.moved,
                .candidates = cost.candidate_pairs,
                .exact_tests = cost.exact_tests,
@@ -302,24 +302,24 @@ void WorldLoop::sum_up_fences() {
     const auto found = objects_in_.find(event.of.b);
     if (found != objects_in_.end() && --found->second == 0) objects_in_.erase(found);
   }
-  sums_.fences.set(fences->table().count());
-  sums_.fences_entered.set(objects_in_.size());
-  sums_.in_fences.set(fences->inside().size());
-  sums_.fence_events.set(fences->last_sequence());
-  sums_.fences_cut_short.set(fences->cut_short());
+  sums_.fences.count.set(fences->table().count());
+  sums_.fences.entered.set(objects_in_.size());
+  sums_.fences.inside.set(fences->inside().size());
+  sums_.fences.events.set(fences->last_sequence());
+  sums_.fences.cut_short.set(fences->cut_short());
 }
 
 void WorldLoop::sum_up_poses() {
   const InboxCounts inbox = with_.inbox.counts();
   const PublisherCounts& counts = publishers_.counts();
-  sums_.poses_late.set(counts.poses_late);
-  sums_.poses_unknown.set(counts.poses_unknown);
-  sums_.poses_refused.set(counts.poses_refused);
-  sums_.poses_superseded.set(inbox.poses_superseded);
-  sums_.poses_dropped.set(inbox.poses_dropped);
-  sums_.stamps_late.set(counts.stamps_late);
-  sums_.stamps_jumped.set(counts.stamps_jumped);
-  sums_.stamps_missing.set(counts.stamps_missing);
+  sums_.poses.late.set(counts.poses_late);
+  sums_.poses.unknown.set(counts.poses_unknown);
+  sums_.poses.refused.set(counts.poses_refused);
+  sums_.poses.superseded.set(inbox.poses_superseded);
+  sums_.poses.dropped.set(inbox.poses_dropped);
+  sums_.stamps.late.set(counts.stamps_late);
+  sums_.stamps.jumped.set(counts.stamps_jumped);
+  sums_.stamps.missing.set(counts.stamps_missing);
 }
 
 void WorldLoop::publish() {
@@ -449,7 +449,7 @@ void WorldLoop::list_publisher_names() {
   });
 }
 
-std::vector<WorldLoop::PublisherClock> WorldLoop::publisher_clocks() const {
+std::vector<PublisherClock> WorldLoop::publisher_clocks() const {
   const std::lock_guard lock(publisher_names_mutex_);
   return publisher_clocks_;
 }

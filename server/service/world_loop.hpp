@@ -119,12 +119,7 @@ class WorldLoop {
   std::int64_t step_period_ns() const { return options_.step_ns; }
   /// The publisher's name as of the last status; empty: unknown. Any thread.
   std::string publisher_name(std::uint64_t publisher) const;
-  /// A publisher that lives, and how far its clock is behind the server's.
-  struct PublisherClock {
-    std::string name;
-    std::int64_t behind_ns = 0;
-  };
-  /// As of the last status. Any thread.
+  /// The clocks of the publishers that live, at the last status. Any thread.
   std::vector<PublisherClock> publisher_clocks() const;
   /// Whether something from before a crash may not be back yet. Any thread.
   bool recovering() const { return recovering_.load(std::memory_order_relaxed); }

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "idl/answers/explanation.hpp"
+#include "idl/described_json.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 

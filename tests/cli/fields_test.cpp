@@ -1,6 +1,8 @@
 // Every field of every record is compared, each with a number that no other field has.
 #include <gtest/gtest.h>
 
+#include "idl/answers/figures.hpp"
+#include "idl/described_json.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
@@ -235,31 +237,30 @@ TEST_F(Fields, ADoubtIsToldWithItsReasonAndNothingThatNobodyKnows) {
 
 TEST_F(Fields, PairsInDoubtAreCountedInTheStatus) {
   fake::server().command = [](const std::string& name, const json&, const Shape&) -> Result<std::string> {
-    return std::string(name == "figures" ? R"({"pairs":{"in_doubt":3}})" : "{}");
+    return name == "figures" ? json_of(Figures{.pairs = {.in_doubt = 3}}).dump() : std::string("{}");
   };
   EXPECT_EQ(collide("status --fields in_doubt").out, "3\n");
   EXPECT_NE(at_terminal("status").out.find("\n3 pairs in doubt"), std::string::npos) << at_terminal("status").out;
 }
 
 TEST_F(Fields, WhatIsHeldOfASceneInTilesIsInTheStatus) {
-  json figures{{"tiles", json::array()}};
+  Figures figures;
   fake::server().command = [&](const std::string& name, const json&, const Shape&) -> Result<std::string> {
-    return name == "figures" ? figures.dump() : std::string("{}");
+    return name == "figures" ? json_of(figures).dump() : std::string("{}");
   };
   EXPECT_EQ(collide("status --fields tiles").out, "[]\n");
   EXPECT_EQ(at_terminal("status").out.find("tiles"), std::string::npos);
-  figures["tiles"].push_back(
-      {{"scene", "hills"}, {"read", 12}, {"of", 64}, {"triangles", 310}, {"triangles_of_file", 999}});
+  figures.tiles.push_back({.scene = "hills", .read = 12, .of = 64, .triangles = 310, .triangles_of_file = 999});
   EXPECT_NE(at_terminal("status").out.find("\ntiles of hills  12 of 64 read  ·  310 of 999 triangles held\n"),
             std::string::npos)
       << at_terminal("status").out;
-  EXPECT_EQ(json::parse(collide("status --fields tiles").out), figures["tiles"]);
+  EXPECT_EQ(json::parse(collide("status --fields tiles").out), json_of(figures.tiles));
 }
 
 TEST_F(Fields, SearchesThatWereCutShortAreCountedInTheStatus) {
   std::uint64_t count = 0;
   fake::server().command = [&](const std::string& name, const json&, const Shape&) -> Result<std::string> {
-    return std::string(name == "figures" ? json{{"fences", {{"cut_short", count}}}}.dump() : "{}");
+    return name == "figures" ? json_of(Figures{.fences = {.cut_short = count}}).dump() : std::string("{}");
   };
   EXPECT_EQ(collide("status --fields cut_short").out, "0\n");
   EXPECT_EQ(at_terminal("status").out.find("limit"), std::string::npos);

@@ -25,8 +25,8 @@ class Measure : public testing::Test {
 };
 
 nlohmann::json menu_row(const char* method, nlohmann::json bound) {
-  return {{"kind", "ray"},          {"method", method},     {"asked", 300},   {"undecided", 0}, {"wrong", 7},
-          {"worst_error", 4.4e-16}, {"worst_bound", bound}, {"p50_ns", 2100}, {"p99_ns", 7700}};
+  return {{"kind", "ray"}, {"method", method},       {"asked", 300},         {"judged", 300},  {"undecided", 0},
+          {"wrong", 7},    {"worst_error", 4.4e-16}, {"worst_bound", bound}, {"p50_ns", 2100}, {"p99_ns", 7700}};
 }
 
 Ran with(const std::string& words, const std::string& in) { return collide(words, {.in = in}); }

@@ -24,7 +24,7 @@ class Options : public testing::Test {
       asked[name] = arguments;
       return json{{"name", "x"},  {"id", 1},
                   {"version", 2}, {"pose", {1, 2, 3, 1, 0, 0, 0}},
-                  {"scene", "s"}, {"objects", json::array()},
+                  {"scene", "s"}, {"objects", name == "load" ? json(0) : json::array()},
                   {"count", 0},   {"moved_m", 0}}
           .dump();
     };

@@ -9,6 +9,7 @@
 
 #include "client/cli/verbs/recorded_standing.hpp"
 #include "idl/answers/explanation.hpp"
+#include "idl/described_json.hpp"
 #include "idl/fence_ids.hpp"
 #include "tests/cli/fakes/event_recording.hpp"
 #include "tests/cli/scratch_file.hpp"

@@ -9,6 +9,8 @@
 
 #include "client/cli/output/progress.hpp"
 #include "client/cli/run.hpp"
+#include "idl/answers/figures.hpp"
+#include "idl/described_json.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
@@ -19,29 +21,7 @@ namespace {
 using nlohmann::json;
 
 /// The answer of a server that has done nothing yet to what it has done.
-json figures_of_nothing() {
-  return {{"up_ns", 1'000},
-          {"version", 1},
-          {"step_period_ns", 10'000'000},
-          {"steps", 0},
-          {"stalled_steps", 0},
-          {"step_durations", json::array()},
-          {"stages", json::array()},
-          {"pairs",
-           {{"moved", 0},
-            {"candidates", 0},
-            {"filtered", 0},
-            {"exact_tests", 0},
-            {"undecided", 0},
-            {"swept", 0},
-            {"kept_apart", 0}}},
-          {"poses", {{"applied", 0}, {"late", 0}, {"unknown", 0}, {"refused", 0}, {"superseded", 0}, {"dropped", 0}}},
-          {"stamps", {{"late", 0}, {"jumped", 0}, {"missing", 0}}},
-          {"questions", json::array()},
-          {"refused", 0},
-          {"undecided", 0},
-          {"not_built", json::array()}};
-}
+json figures_of_nothing() { return json_of(Figures{.up_ns = 1'000, .version = 1, .step_period_ns = 10'000'000}); }
 
 /// What single verbs send and say, each compared whole.
 class SaidByVerbs : public testing::Test {
@@ -262,12 +242,12 @@ TEST_F(SaidByVerbs, AnAuditsRecordIsALine) {
                 {"skipped", 2},
                 {"float_repairs", 3},
                 {"differences", {"ray", "box"}},
-                {"questions", {{{"kind", "ray"}, {"double", 3}}}}}
+                {"questions", {{{"kind", "ray"}, {"double", 3}, {"expansion", 0}, {"rational", 0}}}}}
         .dump();
   };
   EXPECT_EQ(
       collide("audit --json").out,
-      R"({"every":1000,"chosen":5,"audited":4,"differing":1,"skipped":2,"float_repairs":3,"questions":[{"double":3,"kind":"ray"}],"differences":["ray","box"]})"
+      R"({"every":1000,"chosen":5,"audited":4,"differing":1,"skipped":2,"float_repairs":3,"questions":[{"double":3,"expansion":0,"kind":"ray","rational":0}],"differences":["ray","box"]})"
       "\n");
 }
 

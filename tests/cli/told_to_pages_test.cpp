@@ -202,7 +202,7 @@ TEST_F(ToldToPages, RatesAreCountsOverTheTimeTheyTook) {
                        .steps = 10,
                        .step_durations = {{4'000'000, 10}},
                        .stages = {{"test", 500'000'000}},
-                       .poses_applied = 300,
+                       .poses = {.applied = 300},
                        .questions = {{.kind = "ray", .answered = 5, .durations = {{4'000'000, 5}}}}};
   const json told = json::parse(status_text({}, recent))["recent"];
   EXPECT_EQ(told["steps"], 5);

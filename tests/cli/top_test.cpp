@@ -3,6 +3,7 @@
 #include "client/cli/output/top_keys.hpp"
 #include "client/cli/output/wrapping.hpp"
 #include "client/view/figures.hpp"
+#include "idl/described_json.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
@@ -13,39 +14,22 @@ using nlohmann::json;
 
 /// The sums of a server that is up for so long and has done everything `times` times.
 json figures(std::int64_t up_ns, std::uint64_t times) {
-  const auto ns = [&](const char* stage, std::uint64_t each) { return json{{"stage", stage}, {"ns", each * times}}; };
-  return {
-      {"up_ns", up_ns},
-      {"version", 18204},
-      {"step_period_ns", 10'000'000},
-      {"steps", 100 * times},
-      {"stalled_steps", 0},
-      {"step_durations", {{409'599, 99 * times}, {1'179'647, times}}},
-      {"stages",
-       {ns("take", 1'000'000), ns("update", 0), ns("index", 9'000'000), ns("test", 30'000'000),
-        ns("publish", 10'000'000)}},
-      {"pairs",
-       {{"moved", 0},
-        {"candidates", 31'200 * times},
-        {"filtered", 104'400 * times},
-        {"exact_tests", 0},
-        {"undecided", 0},
-        {"swept", 0},
-        {"kept_apart", 0}}},
-      {"poses",
-       {{"applied", 960 * times},
-        {"late", 0},
-        {"unknown", 0},
-        {"refused", 0},
-        {"superseded", 2 * times},
-        {"dropped", 0}}},
-      {"stamps", {{"late", 0}, {"jumped", 0}, {"missing", 0}}},
-      {"questions",
-       {{{"kind", "ray"}, {"answered", 12'400 * times}, {"durations", {{17'407, 80 * times}, {61'439, 20 * times}}}},
-        {{"kind", "box"}, {"answered", 0}, {"durations", json::array()}}}},
-      {"refused", 0},
-      {"undecided", 31 * times},
-      {"not_built", {"FCL", "octree"}}};
+  return json_of(
+      Figures{.up_ns = up_ns,
+              .version = 18204,
+              .step_period_ns = 10'000'000,
+              .steps = 100 * times,
+              .step_durations = {{409'599, 99 * times}, {1'179'647, times}},
+              .stages = {{"take", 1'000'000 * times},
+                         {"update", 0},
+                         {"index", 9'000'000 * times},
+                         {"test", 30'000'000 * times},
+                         {"publish", 10'000'000 * times}},
+              .pairs = {.candidates = 31'200 * times, .filtered = 104'400 * times},
+              .poses = {.applied = 960 * times, .superseded = 2 * times},
+              .questions = {{"ray", 12'400 * times, {{17'407, 80 * times}, {61'439, 20 * times}}}, {"box", 0, {}}},
+              .undecided = 31 * times,
+              .not_built = {"FCL", "octree"}});
 }
 
 class Top : public testing::Test {
@@ -345,7 +329,7 @@ TEST_F(Top, StepsAreShownStageByStage) {
 
 // The median of 1..1000 us and the like: at most an eighth too long is what the steps allow; here they are given exactly.
 TEST(TopQuantiles, AreTheLeastThatThePartDoesNotExceed) {
-  const std::vector<view::DurationStep> durations{{10, 50}, {20, 49}, {30, 1}};
+  const std::vector<DurationStep> durations{{10, 50}, {20, 49}, {30, 1}};
   EXPECT_EQ(view::quantile_ns(durations, 0.5), 10);
   EXPECT_EQ(view::quantile_ns(durations, 0.51), 20);
   EXPECT_EQ(view::quantile_ns(durations, 0.99), 20);

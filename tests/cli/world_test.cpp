@@ -122,11 +122,11 @@ TEST_F(World, LoadAndStatusKnowWhatIsCovered) {
                      {"objects", 0},
                      {"seconds", 0.1},
                      {"version", 5},
-                     {"covers", {{-1, 0, 0, 1, 1, "inf"}}}};
+                     {"covers", {{-1.0, 0.0, 0.0, 1.0, 1.0, "inf"}}}};
   const Ran ran = collide("load hall.obj --covers -1,0,0:1,1m,inf --covers 5,5,5:6,6,6 --fields covers");
   EXPECT_EQ(ran.code, 0) << ran.err;
   EXPECT_EQ(asked[0].second["covers"], nlohmann::json({{-1, 0, 0, 1, 1, "inf"}, {5, 5, 5, 6, 6, 6}}));
-  EXPECT_EQ(ran.out, "[[-1,0,0,1,1,\"inf\"]]\n");
+  EXPECT_EQ(ran.out, "[[-1.0,0.0,0.0,1.0,1.0,\"inf\"]]\n");
   for (const char* wrong : {"1,2,3", "1,2,3:4,5", "1,2,3:0,5,6", "a:b", "0,0,nan:1,1,1"}) {
     EXPECT_EQ(collide("load hall.obj --covers " + std::string(wrong)).code, 2) << wrong;
   }

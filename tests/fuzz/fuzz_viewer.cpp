@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "client/view/figures.hpp"
+#include "idl/described_json.hpp"
 #include "client/view/foxglove.hpp"
 #include "client/view/page_question.hpp"
 #include "client/view/request_rules.hpp"
@@ -67,15 +68,18 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 }
 
 std::vector<std::string> fuzz_seeds() {
-  return {
-      R"({"ask":"ray","id":3,"origin":[0,0,5],"direction":[0,0,-1]})",
-      R"({"ask":"pair","id":4,"a":"x","b":"y"})",
-      R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":2},{"id":2,"channelId":1}]})",
-      R"({"op":"unsubscribe","subscriptionIds":[1,2]})",
-      "localhost:8765",
-      "[::1]:8765",
-      R"({"up_ns":1,"version":2,"step_period_ns":0,"steps":3,"stalled_steps":0,"step_durations":[[100,2],[200,1]],"stages":[{"stage":"take","ns":5}],)"
-      R"("pairs":{"moved":1,"candidates":1,"filtered":1,"exact_tests":1,"undecided":0,"swept":0,"kept_apart":0},)"
-      R"("poses":{"applied":1,"late":0,"unknown":0,"refused":0,"superseded":0,"dropped":0},"stamps":{"late":0,"jumped":0,"missing":0},"questions":[{"kind":"ray","answered":1,"durations":[[7,1]]}],)"
-      R"("refused":0,"undecided":0,"not_built":["FCL"]})"};
+  return {R"({"ask":"ray","id":3,"origin":[0,0,5],"direction":[0,0,-1]})",
+          R"({"ask":"pair","id":4,"a":"x","b":"y"})",
+          R"({"op":"subscribe","subscriptions":[{"id":1,"channelId":2},{"id":2,"channelId":1}]})",
+          R"({"op":"unsubscribe","subscriptionIds":[1,2]})",
+          "localhost:8765",
+          "[::1]:8765",
+          json_of(Figures{.up_ns = 1,
+                          .steps = 3,
+                          .step_durations = {{100, 2}, {200, 1}},
+                          .stages = {{"take", 5}},
+                          .pairs = {.moved = 1},
+                          .questions = {{"ray", 1, {{7, 1}}}},
+                          .not_built = {"FCL"}})
+              .dump()};
 }

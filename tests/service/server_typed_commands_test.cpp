@@ -1,5 +1,6 @@
 // The commands as C++ programs give them: what they say is what is in the world, and what cannot be done says why.
 #include <fstream>
+#include <limits>
 
 #include "tests/service/server_fixture.hpp"
 
@@ -21,6 +22,17 @@ class ServerTypedCommands : public testing_support::ServerTest {
   }
   std::string write_roof() { return folder_.write("roof.obj", "v -9 -9 6\nv 9 -9 6\nv 9 9 6\nv -9 9 6\nf 1 2 3 4\n"); }
 };
+
+// A side without end is null in the answer, and was refused as no number.
+TEST_F(ServerTypedCommands, APlanesBoundsHaveNoEnd) {
+  Client client = connect();
+  ObjectOptions ground{.name = "ground", .shape = {HalfSpaceShape{}}};
+  ground.moving = false;
+  must(client.add(ground));
+  const ObjectDetails details = must(client.get("ground"));
+  EXPECT_EQ(details.bounds[0].x(), -std::numeric_limits<double>::infinity());
+  EXPECT_EQ(details.bounds[1].x(), std::numeric_limits<double>::infinity());
+}
 
 TEST_F(ServerTypedCommands, WhatIsAddedIsListedMovedAndRemoved) {
   Client client = connect();

@@ -176,10 +176,8 @@ TEST(PageMessages, AStatusHasEveryFigure) {
   recent.steps = 4;
   recent.step_durations = {{1'000'000, 3}, {2'000'000, 1}};
   recent.stages = {{"pairs", 500'000'000}};
-  recent.candidates = 20;
-  recent.filtered = 6;
-  recent.poses_applied = 30;
-  recent.in_doubt = 15;
+  recent.pairs = {.candidates = 20, .filtered = 6, .in_doubt = 15};
+  recent.poses.applied = 30;
   expected["in_doubt"] = 15;
   recent.questions = {{"ray", 10, {{1'000'000, 9}, {4'000'000, 1}}}, {"pair", 0, {}}};
   expected["recent"] = {{"stages", {{{"stage", "pairs"}, {"share", 0.25}}}},

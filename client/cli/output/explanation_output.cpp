@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstdint>
 #include <initializer_list>
-#include <type_traits>
 #include <utility>
 
 #include <fmt/format.h>
@@ -12,6 +11,7 @@
 
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"
+#include "client/cli/output/described_record.hpp"
 #include "idl/answers/explanation.hpp"
 
 namespace collided::cli {
@@ -19,29 +19,13 @@ namespace {
 
 // ---- records -------------------------------------------------------------------------------------------------------
 
-/// A described answer's members, those of several values as JSON. Its version is called world.
+/// The record of an explanation; its version is called world.
 template <Described T>
-Record record_of(const T& answer) {
-  Record record;
-  visit_fields<T>([&](const auto& field) {
-    using Member = std::remove_cvref_t<decltype(field.of(answer))>;
-    Value value = std::monostate{};
-    if (!is_there(field, answer)) value = std::monostate{};
-    else if constexpr (std::is_enum_v<Member>) value = std::string_view(field.word(field.of(answer)));
-    else if constexpr (std::is_same_v<Member, std::chrono::nanoseconds>) value = std::int64_t{field.of(answer).count()};
-    else if constexpr (std::is_unsigned_v<Member> && !std::is_same_v<Member, bool>)
-      value = std::uint64_t{field.of(answer)};
-    else if constexpr (std::is_constructible_v<Value, Member>) value = field.of(answer);
-    else value = RawJson{json_of_field(field, answer).dump()};
-    record.push_back({field.name, std::move(value)});
-  });
+Record explanation_record(const T& answer) {
+  Record record = record_of(answer, Vectors::json);
   Field& version = record.back();
   version = {"world", answer.version == 0 ? Value() : version.value};
   return record;
-}
-
-Record::iterator place_of(Record& record, std::string_view name) {
-  return std::find_if(record.begin(), record.end(), [&](const Field& field) { return field.name == name; });
 }
 
 void drop_empty(Record& record, std::initializer_list<std::string_view> names) {
@@ -281,7 +265,7 @@ void print_explained(Printer& printer, const ExplainedRay& ray) {
   printer.set_usual_fields({"answer", "reason", "object", "distance", "error", "level", "objects", "boxes_met",
                             "left_out_count", "cut", "late"});
   if (!printer.human()) {
-    Record record = record_of(ray);
+    Record record = explanation_record(ray);
     drop_empty(record, {"reason"});
     const ExplainedMeeting* const first = ray.met.empty() ? nullptr : &ray.met.front();
     insert_object(record, "level", first, first ? first->distance_m : 0);
@@ -297,7 +281,7 @@ void print_explained(Printer& printer, const ExplainedRay& ray) {
 void print_explained(Printer& printer, const ExplainedFence& fence) {
   printer.set_usual_fields({"fence", "region", "to", "placed", "looked_at", "inside_count", "late"});
   if (!printer.human()) {
-    Record record = record_of(fence);
+    Record record = explanation_record(fence);
     place_of(record, "kind")->name = "region";
     put_null(place_of(record, "asked_for")->value);
     record.insert(place_of(record, "inside"), {"inside_count", std::uint64_t{fence.inside.size()}});
@@ -321,7 +305,7 @@ void print_explained(Printer& printer, const ExplainedNearest& nearest) {
       {"nearest", "of", "only", "within", "placed", "looked_at", "object", "distance", "error", "cut_short", "late"});
   const ExplainedStanding* const is = nearest.is ? &*nearest.is : nullptr;
   if (!printer.human()) {
-    Record record = record_of(nearest);
+    Record record = explanation_record(nearest);
     *place_of(record, "to") = {"of", target_text(nearest)};
     record.erase(place_of(record, "point"));
     insert_object(record, "is", is, is ? is->clearance_m : 0);
@@ -356,7 +340,7 @@ void print_explained(Printer& printer, const ExplainedEvent& event) {
   printer.set_usual_fields(
       {"sequence", "of", "what", "a", "b", "margin", "within", "why", "doubt", "low_ns", "high_ns"});
   if (!printer.human()) {
-    Record record = record_of(event);
+    Record record = explanation_record(event);
     drop_empty(record, {"why", "doubt"});
     return printer.record(record);
   }

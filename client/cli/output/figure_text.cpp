@@ -18,11 +18,11 @@ std::string state_text(const ServerStatus& status) {
   return text;
 }
 
-double per_second(std::uint64_t count, const view::Figures& figures) {
+double per_second(std::uint64_t count, const Figures& figures) {
   return static_cast<double>(count) / std::max(1e-9, seconds_of(std::chrono::nanoseconds(figures.up_ns)));
 }
 
-double per_step(std::uint64_t count, const view::Figures& figures) {
+double per_step(std::uint64_t count, const Figures& figures) {
   return figures.steps == 0 ? 0 : static_cast<double>(count) / static_cast<double>(figures.steps);
 }
 
@@ -41,7 +41,7 @@ std::string percent_text(std::uint64_t of, std::uint64_t whole) {
   return fmt::format("{:.2g} %", whole == 0 ? 0 : 100 * static_cast<double>(of) / static_cast<double>(whole));
 }
 
-std::string quantile_text(const std::vector<view::DurationStep>& durations, double part) {
+std::string quantile_text(const std::vector<DurationStep>& durations, double part) {
   const std::optional<std::int64_t> ns = view::quantile_ns(durations, part);
   return ns ? format_duration(std::chrono::nanoseconds(*ns)) : "-";
 }

@@ -13,8 +13,6 @@
 namespace collided::cli {
 namespace {
 
-using view::Asked;
-using view::Figures;
 using view::quantile_ns;
 
 double seconds(const Figures& figures) { return std::max(1e-9, seconds_of(std::chrono::nanoseconds(figures.up_ns))); }
@@ -44,14 +42,14 @@ std::string sparkline(const std::deque<double>& values) {
 
 std::uint64_t answered(const Figures& figures) {
   std::uint64_t all = 0;
-  for (const Asked& asked : figures.questions) all += asked.answered;
+  for (const AskedKind& asked : figures.questions) all += asked.answered;
   return all;
 }
 
 void add_questions(const Look& look, std::vector<std::string>& lines) {
   const Figures& figures = look.figures;
   std::string label = "ASK";
-  for (const Asked& asked : figures.questions) {
+  for (const AskedKind& asked : figures.questions) {
     if (asked.answered == 0) continue;
     lines.push_back(fmt::format("{:<7}{:<7}{:>10}  p50 {:<8} p99 {:<8}", label, asked.kind,
                                 rate_text(per_second(asked.answered, figures)), quantile_text(asked.durations, 0.5),
@@ -60,8 +58,8 @@ void add_questions(const Look& look, std::vector<std::string>& lines) {
     lines.back() += fmt::format(" |{}|", sparkline(look.past_rates));
     label.clear();
   }
-  const std::string undecided = percent_text(figures.undecided_answers, answered(figures));
-  const std::string refused = format_count(figures.refused_requests);
+  const std::string undecided = percent_text(figures.undecided, answered(figures));
+  const std::string refused = format_count(figures.refused);
   if (!label.empty()) lines.push_back(fmt::format("{:<7}nobody asks   refused {}", label, refused));
   else lines.push_back(fmt::format("       undecided {}   refused {}", undecided, refused));
 }
@@ -103,26 +101,27 @@ void add_not_built(const Figures& figures, std::vector<std::string>& lines) {
 
 /// Adds a line where there are fences or margins.
 void add_fences(const Figures& figures, std::vector<std::string>& lines) {
-  if (figures.fences == 0) return;
+  if (figures.fences.count == 0) return;
   lines.push_back(fmt::format("FENCES {} with bands   entered {}   in them {}   events {}",
-                              format_count(figures.fences), format_count(figures.fences_entered),
-                              format_count(figures.in_fences), rate_text(per_second(figures.fence_events, figures))));
-  if (figures.fences_cut_short > 0) lines.back() += "   cut short " + format_count(figures.fences_cut_short);
+                              format_count(figures.fences.count), format_count(figures.fences.entered),
+                              format_count(figures.fences.inside),
+                              rate_text(per_second(figures.fences.events, figures))));
+  if (figures.fences.cut_short > 0) lines.back() += "   cut short " + format_count(figures.fences.cut_short);
 }
 
 /// Adds a line where publishers' stamps are late, jump or are missing.
 void add_odd_stamps(const Figures& figures, std::vector<std::string>& lines) {
-  if (figures.stamps_late + figures.stamps_jumped + figures.stamps_missing == 0) return;
-  lines.push_back(fmt::format("STAMPS late {}   jumped {}   missing {}", format_count(figures.stamps_late),
-                              format_count(figures.stamps_jumped), format_count(figures.stamps_missing)));
+  if (figures.stamps.late + figures.stamps.jumped + figures.stamps.missing == 0) return;
+  lines.push_back(fmt::format("STAMPS late {}   jumped {}   missing {}", format_count(figures.stamps.late),
+                              format_count(figures.stamps.jumped), format_count(figures.stamps.missing)));
 }
 
 std::string stages_text(const Figures& figures) {
   std::uint64_t busy_ns = 0;
-  for (const view::Stage& stage : figures.stages) busy_ns += stage.ns;
+  for (const StageTime& stage : figures.stages) busy_ns += stage.ns;
   std::string text;
-  for (const view::Stage& stage : figures.stages) {
-    text += fmt::format("{} {:.0f} %  ", printable(stage.name), 100 * part(stage.ns, busy_ns));
+  for (const StageTime& stage : figures.stages) {
+    text += fmt::format("{} {:.0f} %  ", printable(stage.stage), 100 * part(stage.ns, busy_ns));
   }
   const double share = static_cast<double>(busy_ns) * 1e-9 / seconds(figures);
   return text + fmt::format(" busy {:.0f} %", 100 * std::min(share, 1.0));
@@ -142,8 +141,8 @@ std::vector<std::string> top_lines(const Look& look) {
                               state_text(status)));
   add_questions(look, lines);
   lines.push_back(fmt::format("POSES  {}, {} moving   {}   late {}   lost {}", counted(status.objects, "object"),
-                              format_count(status.moving), rate_text(per_second(figures.poses_applied, figures)),
-                              format_count(figures.poses_late), format_count(figures.poses_lost)));
+                              format_count(status.moving), rate_text(per_second(figures.poses.applied, figures)),
+                              format_count(figures.poses.late), format_count(figures.poses.lost())));
   add_odd_stamps(figures, lines);
   lines.push_back("FROM   " + publishers_text(status));
   lines.push_back("STAGE  " + stages_text(figures));
@@ -155,9 +154,10 @@ std::vector<std::string> top_lines(const Look& look) {
   if (figures.stalled_steps > 0)
     lines.back() += fmt::format("   waited for readers {} times", format_count(figures.stalled_steps));
   lines.push_back(fmt::format("PAIRS  candidates {} a step   contacts {}   saved by filters {}",
-                              mean_text(per_step(figures.candidates, figures)), format_count(status.contacts),
-                              mean_text(per_step(figures.filtered, figures))));
-  if (figures.in_doubt > 0) lines.back() += fmt::format("   {} of them in doubt", format_count(figures.in_doubt));
+                              mean_text(per_step(figures.pairs.candidates, figures)), format_count(status.contacts),
+                              mean_text(per_step(figures.pairs.filtered, figures))));
+  if (figures.pairs.in_doubt > 0)
+    lines.back() += fmt::format("   {} of them in doubt", format_count(figures.pairs.in_doubt));
   if (status.contacts_truncated) lines.back() += "   contacts are missing (max_contacts)";
   add_fences(figures, lines);
   add_not_built(figures, lines);
@@ -171,7 +171,7 @@ std::vector<Record> top_records(const Look& look) {
   const auto add = [&](std::string name, Value value, std::string_view unit) {
     records.push_back({{"figure", std::move(name)}, {"value", std::move(value)}, {"unit", unit}});
   };
-  const auto quantiles = [&](const std::string& name, const std::vector<view::DurationStep>& durations) {
+  const auto quantiles = [&](const std::string& name, const std::vector<DurationStep>& durations) {
     for (const auto& [label, which] : {std::pair(".p50", 0.5), std::pair(".p99", 0.99)}) {
       const std::optional<std::int64_t> ns = quantile_ns(durations, which);
       add(name + label, ns ? Value(static_cast<double>(*ns) * 1e-9) : Value(std::monostate{}), "s");
@@ -182,34 +182,34 @@ std::vector<Record> top_records(const Look& look) {
   add("world", status.version, "");
   add("up", static_cast<double>(look.up_ns) * 1e-9, "s");
   add("over", seconds(figures), "s");
-  for (const Asked& asked : figures.questions) {
+  for (const AskedKind& asked : figures.questions) {
     add("ask." + asked.kind + ".rate", per_second(asked.answered, figures), "1/s");
     quantiles("ask." + asked.kind, asked.durations);
   }
-  add("ask.undecided", part(figures.undecided_answers, answered(figures)), "");
-  add("ask.refused", per_second(figures.refused_requests, figures), "1/s");
+  add("ask.undecided", part(figures.undecided, answered(figures)), "");
+  add("ask.refused", per_second(figures.refused, figures), "1/s");
   add("objects", std::uint64_t{status.objects}, "");
   add("moving", std::uint64_t{status.moving}, "");
-  add("poses.rate", per_second(figures.poses_applied, figures), "1/s");
-  add("poses.late", per_second(figures.poses_late, figures), "1/s");
-  add("poses.lost", per_second(figures.poses_lost, figures), "1/s");
-  add("stamps.late", per_second(figures.stamps_late, figures), "1/s");
-  add("stamps.jumped", per_second(figures.stamps_jumped, figures), "1/s");
-  add("stamps.missing", per_second(figures.stamps_missing, figures), "1/s");
+  add("poses.rate", per_second(figures.poses.applied, figures), "1/s");
+  add("poses.late", per_second(figures.poses.late, figures), "1/s");
+  add("poses.lost", per_second(figures.poses.lost(), figures), "1/s");
+  add("stamps.late", per_second(figures.stamps.late, figures), "1/s");
+  add("stamps.jumped", per_second(figures.stamps.jumped, figures), "1/s");
+  add("stamps.missing", per_second(figures.stamps.missing, figures), "1/s");
   add("step.lasting", seconds_of(status.step_lasting), "s");
   add("step.rate", per_second(figures.steps, figures), "1/s");
   quantiles("step", figures.step_durations);
-  for (const view::Stage& stage : figures.stages)
-    add("stage." + stage.name, static_cast<double>(stage.ns) * 1e-9 / seconds(figures), "of the time");
-  add("pairs.candidates", per_step(figures.candidates, figures), "a step");
-  add("pairs.filtered", per_step(figures.filtered, figures), "a step");
+  for (const StageTime& stage : figures.stages)
+    add("stage." + stage.stage, static_cast<double>(stage.ns) * 1e-9 / seconds(figures), "of the time");
+  add("pairs.candidates", per_step(figures.pairs.candidates, figures), "a step");
+  add("pairs.filtered", per_step(figures.pairs.filtered, figures), "a step");
   add("contacts", std::uint64_t{status.contacts}, "");
-  add("in_doubt", figures.in_doubt, "");
-  add("fences", figures.fences, "");
-  add("fences.entered", figures.fences_entered, "");
-  add("fences.inside", figures.in_fences, "");
-  add("fences.events", per_second(figures.fence_events, figures), "1/s");
-  add("fences.cut_short", figures.fences_cut_short, "");
+  add("in_doubt", figures.pairs.in_doubt, "");
+  add("fences", figures.fences.count, "");
+  add("fences.entered", figures.fences.entered, "");
+  add("fences.inside", figures.fences.inside, "");
+  add("fences.events", per_second(figures.fences.events, figures), "1/s");
+  add("fences.cut_short", figures.fences.cut_short, "");
   for (const PublisherInfo& publisher : status.publishers)
     add("silent." + publisher.name, seconds_of(publisher.silent), "s");
   for (const std::string& structure : figures.not_built) add("not_built", structure, "");

@@ -13,7 +13,7 @@ namespace collided::cli {
 /// A server's status, and what it did between two looks at it.
 struct Look {
   ServerStatus status;
-  view::Figures figures;          // of the time between the two looks
+  Figures figures;                // of the time between the two looks
   std::int64_t up_ns = 0;         // since the server's start
   std::deque<double> past_rates;  // questions a second at earlier looks, the newest last
 };
@@ -26,6 +26,6 @@ std::vector<std::string> top_lines(const Look& look);
 std::vector<Record> top_records(const Look& look);
 
 /// The rate of questions, per second.
-double asked_rate(const view::Figures& figures);
+double asked_rate(const Figures& figures);
 
 }  // namespace collided::cli

@@ -26,7 +26,7 @@ std::string padded_or_cut(std::string_view text, std::size_t columns, bool at_ri
 std::string figure_cell(std::string_view text) { return padded_or_cut(text, kFigureColumns, true); }
 
 /// A row of rates: name, rate, median, p99, and the rate's history in what room is left.
-std::string rate_row(const std::string& name, double rate, const std::vector<view::DurationStep>& durations,
+std::string rate_row(const std::string& name, double rate, const std::vector<DurationStep>& durations,
                      const TopHistory& history, std::size_t columns) {
   std::string row = padded_or_cut(name, kNameColumns, false) + figure_cell(rate_text(rate));
   row += figure_cell(durations.empty() ? "-" : quantile_text(durations, 0.5));
@@ -38,11 +38,11 @@ std::string rate_row(const std::string& name, double rate, const std::vector<vie
 }
 
 void add_rates(const Look& look, const TopHistory& history, std::size_t columns, std::vector<std::string>& lines) {
-  const view::Figures& figures = look.figures;
+  const Figures& figures = look.figures;
   lines.push_back(padded_or_cut("", kNameColumns, false) + figure_cell("RATE") + figure_cell("P50") +
                   figure_cell("P99") + "  HISTORY");
   bool is_asked = false;
-  for (const view::Asked& asked : figures.questions) {
+  for (const AskedKind& asked : figures.questions) {
     // A kind that was asked a moment ago keeps its row, so that the screen does not jump.
     const auto past = history.rates().find(asked.kind);
     const bool was_asked = past != history.rates().end() &&
@@ -52,7 +52,7 @@ void add_rates(const Look& look, const TopHistory& history, std::size_t columns,
     lines.push_back(rate_row(asked.kind, per_second(asked.answered, figures), asked.durations, history, columns));
   }
   if (!is_asked) lines.emplace_back("nobody asks");
-  lines.push_back(rate_row("poses", per_second(figures.poses_applied, figures), {}, history, columns));
+  lines.push_back(rate_row("poses", per_second(figures.poses.applied, figures), {}, history, columns));
   lines.push_back(rate_row("steps", per_second(figures.steps, figures), figures.step_durations, history, columns));
 }
 
@@ -67,37 +67,37 @@ void add_wrapped(const std::vector<std::string>& texts, std::size_t columns, std
 }
 
 void add_counts(const Look& look, std::size_t columns, std::vector<std::string>& lines) {
-  const view::Figures& figures = look.figures;
+  const Figures& figures = look.figures;
   std::uint64_t answered = 0;
-  for (const view::Asked& asked : figures.questions) answered += asked.answered;
+  for (const AskedKind& asked : figures.questions) answered += asked.answered;
   std::vector<std::string> texts{
       fmt::format("{}, {} moving", counted(look.status.objects, "object"), format_count(look.status.moving)),
       fmt::format("{} hold", counted(look.status.contacts, "contact"))};
   if (look.status.contacts_truncated) texts.back() += ", more are missing (max_contacts)";
-  texts.push_back(fmt::format("{} in doubt", format_count(figures.in_doubt)));
-  texts.push_back(fmt::format("candidates {} a step", mean_text(per_step(figures.candidates, figures))));
-  texts.push_back(fmt::format("undecided {}", percent_text(figures.undecided_answers, answered)));
+  texts.push_back(fmt::format("{} in doubt", format_count(figures.pairs.in_doubt)));
+  texts.push_back(fmt::format("candidates {} a step", mean_text(per_step(figures.pairs.candidates, figures))));
+  texts.push_back(fmt::format("undecided {}", percent_text(figures.undecided, answered)));
   const auto add_if_any = [&](const char* name, std::uint64_t count) {
     if (count > 0) texts.push_back(fmt::format("{} {}", name, format_count(count)));
   };
-  add_if_any("refused", figures.refused_requests);
-  add_if_any("poses late", figures.poses_late);
-  add_if_any("poses lost", figures.poses_lost);
-  add_if_any("stamps late", figures.stamps_late);
-  add_if_any("stamps jumped", figures.stamps_jumped);
-  add_if_any("stamps missing", figures.stamps_missing);
+  add_if_any("refused", figures.refused);
+  add_if_any("poses late", figures.poses.late);
+  add_if_any("poses lost", figures.poses.lost());
+  add_if_any("stamps late", figures.stamps.late);
+  add_if_any("stamps jumped", figures.stamps.jumped);
+  add_if_any("stamps missing", figures.stamps.missing);
   add_if_any("steps that waited for readers", figures.stalled_steps);
   add_wrapped(texts, columns, lines);
 }
 
-void add_stages(const view::Figures& figures, std::size_t columns, std::vector<std::string>& lines) {
+void add_stages(const Figures& figures, std::size_t columns, std::vector<std::string>& lines) {
   std::uint64_t busy_ns = 0;
-  for (const view::Stage& stage : figures.stages) busy_ns += stage.ns;
+  for (const StageTime& stage : figures.stages) busy_ns += stage.ns;
   const auto up_ns = static_cast<std::uint64_t>(std::max<std::int64_t>(1, figures.up_ns));
   std::vector<std::string> texts{"busy " + percent_text(std::min(busy_ns, up_ns), up_ns)};
-  for (const view::Stage& stage : figures.stages) {
+  for (const StageTime& stage : figures.stages) {
     const double share = busy_ns == 0 ? 0 : 100 * static_cast<double>(stage.ns) / static_cast<double>(busy_ns);
-    texts.push_back(fmt::format("{} {:.0f} %", printable(stage.name), share));
+    texts.push_back(fmt::format("{} {:.0f} %", printable(stage.stage), share));
   }
   add_wrapped(texts, columns, lines);
 }
@@ -177,8 +177,8 @@ void TopHistory::append(const std::string& row, double rate) {
 }
 
 void TopHistory::add(const Look& look) {
-  for (const view::Asked& asked : look.figures.questions) append(asked.kind, per_second(asked.answered, look.figures));
-  append("poses", per_second(look.figures.poses_applied, look.figures));
+  for (const AskedKind& asked : look.figures.questions) append(asked.kind, per_second(asked.answered, look.figures));
+  append("poses", per_second(look.figures.poses.applied, look.figures));
   append("steps", per_second(look.figures.steps, look.figures));
   std::map<std::string, std::uint64_t, std::less<>> now;
   messages_.clear();

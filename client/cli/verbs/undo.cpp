@@ -3,11 +3,13 @@
 #include <filesystem>
 #include <functional>
 #include <set>
+#include <tuple>
 
 #include <fmt/format.h>
 
 #include "client/cli/input/number.hpp"
 #include "client/cli/server_command.hpp"
+#include "idl/answers/commands.hpp"
 #include "idl/commands.hpp"
 
 namespace collided::cli {
@@ -84,32 +86,30 @@ std::string typed_path(const std::string& path) {
   return nearer.empty() || nearer.starts_with("..") ? path : nearer;
 }
 
-std::string load_line(const std::string& scene, const nlohmann::json& load) {
-  std::string line = "collide load " + shell_word(typed_path(text_of(load, "path")));
-  if (!text_of(load, "name").empty()) line += " --name " + shell_word(scene);
-  const auto length = [&](const char* key, const char* option, double usual) {
-    const double metres = load.contains(key) ? number_of(load, key) : usual;
+/// arguments  those of the command load
+std::string load_line(const std::string& scene, const nlohmann::json& arguments) {
+  const auto load = answer_in<LoadOptions>(arguments);
+  std::string line = "collide load " + shell_word(typed_path(text_of(arguments, "path")));
+  if (!load.name.empty()) line += " --name " + shell_word(scene);
+  for (const auto& [option, metres, usual] :
+       {std::tuple("--unit", load.unit_m, 1.0), {"--radius", load.radius_m, 0.0}, {"--crack", load.crack_m, 0.0}}) {
     if (metres != usual) line += fmt::format(" {} {}", option, format_number(metres));
-  };
-  length("unit_m", "--unit", 1);
-  length("radius_m", "--radius", 0);
-  length("crack_m", "--crack", 0);
-  if (!text_of(load, "up").empty()) line += " --up " + text_of(load, "up");
-  if (!text_of(load, "srdf").empty()) line += " --srdf " + shell_word(text_of(load, "srdf"));
-  for (const std::string& package : texts_of(load, "packages")) line += " --package " + shell_word(package);
-  if (const std::string solid = text_of(load, "solid"); !solid.empty())
-    line += solid != "*" ? " --solid-only " + shell_word(solid) : text_of(load, "solid_by").empty() ? " --solid" : "";
-  if (!text_of(load, "solid_by").empty()) line += " --solid=" + shell_word(text_of(load, "solid_by"));
-  for (const char* flag : {"strict", "mend", "moving"}) {
-    if (flag_of(load, flag)) line += fmt::format(" --{}", flag);
   }
-  for (const nlohmann::json& box : load.value("covers", nlohmann::json::array())) {
-    std::string corners;
-    for (std::size_t i = 0; i < box.size(); ++i) {
-      const std::string number = box[i].is_string() ? box[i].get<std::string>() : format_number(box[i].get<double>());
-      corners += (i == 0 ? "" : i == 3 ? ":" : ",") + number;
-    }
-    line += " --covers=" + corners;
+  if (!load.up.empty()) line += " --up " + load.up;
+  if (!load.srdf.empty()) line += " --srdf " + shell_word(load.srdf);
+  for (const std::string& package : load.packages) line += " --package " + shell_word(package);
+  if (!load.solid.empty() && load.solid != "*") line += " --solid-only " + shell_word(load.solid);
+  if (load.solid == "*" && !load.solid_by_winding) line += " --solid";
+  if (load.solid_by_winding) line += " --solid=winding";
+  for (const auto& [flag, is_set] :
+       {std::pair(" --strict", load.strict), {" --mend", load.mend}, {" --moving", load.moving}}) {
+    if (is_set) line += flag;
+  }
+  for (const CoveredBox& box : load.covers) {
+    const auto corner = [](const Vec3& at) {
+      return fmt::format("{},{},{}", format_number(at.x()), format_number(at.y()), format_number(at.z()));
+    };
+    line += " --covers=" + corner(box.low) + ":" + corner(box.high);
   }
   return line;
 }
@@ -136,21 +136,19 @@ Undo undo_of(Session& session, const Globals& globals, const Removal& removal) {
   if (globals.quiet) return undo;
   nlohmann::json arguments{{"name", removal.names}, {"limit", kMostListed}};
   if (removal.moving_only) arguments["moving"] = true;
-  const nlohmann::json answer = server_command(session, globals, wire::kList, arguments);
-  const nlohmann::json objects = answer.value("objects", nlohmann::json::array());
-  undo.left_out = std::max<std::uint64_t>(count_of(answer, "count"), objects.size()) - objects.size();
+  const auto [objects, count, version] = server_answer<ObjectList>(session, globals, wire::kList, arguments);
+  undo.left_out = std::max<std::uint64_t>(count, objects.size()) - objects.size();
   std::set<std::string> scenes;
-  for (const nlohmann::json& object : objects) {
-    if (!text_of(object, "publisher").empty()) continue;
-    if (const std::string scene = text_of(object, "scene"); !scene.empty()) {
-      const bool goes = removal.scenes_too && (removal.scene.empty() || removal.scene == scene);
-      if (!goes) scenes.insert(scene);
+  for (const ListedObject& object : objects) {
+    if (!object.publisher.empty()) continue;
+    if (!object.scene.empty()) {
+      const bool goes = removal.scenes_too && (removal.scene.empty() || removal.scene == object.scene);
+      if (!goes) scenes.insert(object.scene);
       continue;
     }
     const bool shown = undo.lines.size() < kMostAdded;
     const std::string line =
-        shown ? add_line(server_command(session, globals, wire::kGet, {{"name", text_of(object, "name")}}))
-              : std::string();
+        shown ? add_line(server_command(session, globals, wire::kGet, {{"name", object.name}})) : std::string();
     if (line.empty()) ++undo.left_out;
     else undo.lines.push_back(line);
   }

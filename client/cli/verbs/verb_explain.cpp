@@ -13,24 +13,17 @@
 #include "client/cli/verbs/ask_options.hpp"
 #include "client/cli/verbs/recorded_explanation.hpp"
 #include "idl/answers/explanation.hpp"
+#include "idl/answers/pair.hpp"
 #include "idl/commands.hpp"
 #include "idl/instant.hpp"
 
 namespace collided::cli {
 namespace {
 
-/// With what of the answer is told.
 ExplainedPair explained_pair(const nlohmann::json& answer) {
-  auto told = from_json<ExplainedPair>(answer);
-  PairAnswer& now = told.answer;
-  const std::string said = text_of(answer, "answer");
-  now.verdict = said == "hit" ? Verdict::hit : said == "miss" ? Verdict::miss : Verdict::undecided;
-  for (const auto& [key, value] :
-       {std::pair("distance", &now.distance_m), std::pair("depth", &now.depth_m), std::pair("error", &now.error_m)})
-    if (answer.contains(key)) read_json(answer.at(key), key, *value);
-  now.stale = flag_of(answer, "stale");
-  now.version = count_of(answer, "version");
-  return told;
+  auto explained = from_json<ExplainedPair>(answer);
+  explained.answer = answer_in<PairAnswer>(answer);
+  return explained;
 }
 
 Exit exit_by(Verdict verdict) {

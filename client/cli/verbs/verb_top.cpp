@@ -7,6 +7,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/input/option.hpp"
 #include "client/cli/output/clock_text.hpp"
+#include "client/cli/output/described_record.hpp"
 #include "client/cli/output/top_page.hpp"
 #include "client/cli/output/top_keys.hpp"
 #include "client/cli/output/top_screen.hpp"
@@ -25,32 +26,24 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kSilent{500};
 constexpr std::size_t kPastRates = 20;
 
-/// What takes time in a step: the column's title, and its name in the server's answer.
-constexpr std::pair<const char*, const char*> kStepStages[] = {
-    {"TAKE", "take_ns"},     {"UPDATE", "update_ns"},   {"INDEX", "index_ns"}, {"TEST", "test_ns"},
-    {"EVENTS", "events_ns"}, {"PUBLISH", "publish_ns"}, {"WHOLE", "whole_ns"}};
-
 /// Prints the server's newest steps, stage by stage, one a row.
 Exit print_steps(Session& session, const Globals& globals, std::uint64_t last) {
   Printer printer = make_printer(session.io, globals);
-  const nlohmann::json answer = server_command(session, globals, wire_contract::command::kSteps, {{"last", last}});
-  const nlohmann::json steps = answer.value("steps", nlohmann::json::array());
-  for (const nlohmann::json& step : steps) {
-    std::vector<std::string> header{"WORLD"};
-    std::vector<std::string> cells{fmt::format("{}", count_of(step, "version"))};
-    Record record{{"world", count_of(step, "version")}, {"time_ns", count_of(step, "world_time_ns")}};
-    for (const auto& [title, key] : kStepStages) {
-      const std::uint64_t ns = count_of(step, key);
-      header.emplace_back(title);
-      cells.push_back(format_duration(std::chrono::nanoseconds(ns)));
-      record.push_back({key, ns});
+  const auto steps =
+      server_answer<NewestSteps>(session, globals, wire_contract::command::kSteps, {{"last", last}}).steps;
+  const auto duration = [](std::int64_t ns) { return format_duration(std::chrono::nanoseconds(ns)); };
+  for (const StepTrace& step : steps) {
+    if (printer.human()) {
+      printer.row({"WORLD", "TAKE", "UPDATE", "INDEX", "TEST", "EVENTS", "PUBLISH", "WHOLE", "MOVED", "EVENTS"},
+                  {std::to_string(step.version), duration(step.take_ns), duration(step.update_ns),
+                   duration(step.index_ns), duration(step.test_ns), duration(step.events_ns), duration(step.publish_ns),
+                   duration(step.whole_ns), std::to_string(step.moved), std::to_string(step.events)});
+      continue;
     }
-    for (const char* what : {"moved", "candidates", "exact_tests", "contacts", "events"})
-      record.push_back({what, count_of(step, what)});
-    header.insert(header.end(), {"MOVED", "EVENTS"});
-    cells.insert(cells.end(), {std::to_string(count_of(step, "moved")), std::to_string(count_of(step, "events"))});
-    if (printer.human()) printer.row(header, cells);
-    else printer.record(record);
+    Record record = record_of(step);
+    record[0].name = "world";
+    record[1].name = "time_ns";
+    printer.record(record);
   }
   printer.finish();
   return steps.empty() ? Exit::no : Exit::yes;
@@ -140,7 +133,7 @@ class TopCommand : public Command {
   }
 
   /// The server's figures; nothing while no server answers.
-  static std::optional<view::Figures> ask(Session& session, const Globals& globals) {
+  static std::optional<Figures> ask(Session& session, const Globals& globals) {
     const Result<std::string> text = session.client(globals).command(wire_contract::command::kFigures, "{}", {},
                                                                      timeout_of(globals, std::chrono::seconds(1)));
     if (!text && text.error().code == ErrorCode::refused) throw as_failure(text.error());
@@ -149,10 +142,10 @@ class TopCommand : public Command {
 
   /// What the server has done since the last look; nothing while it is silent.
   std::optional<Look> look(Session& session, const Globals& globals) {
-    const std::optional<view::Figures> now = ask(session, globals);
+    const std::optional<Figures> now = ask(session, globals);
     if (!now) return std::nullopt;
     Look look{.status = take(session.client(globals).status()),
-              .figures = between(*before_, *now),
+              .figures = view::between(*before_, *now),
               .up_ns = now->up_ns,
               .past_rates = {}};
     if (look.status.age > kSilent) return std::nullopt;
@@ -241,7 +234,7 @@ class TopCommand : public Command {
   std::optional<std::uint64_t> most_looks_;
   std::optional<std::chrono::nanoseconds> most_time_;
   std::optional<std::uint64_t> steps_;
-  std::optional<view::Figures> before_;
+  std::optional<Figures> before_;
   std::uint64_t epoch_ = 0;
   std::string restart_;
   std::deque<double> past_rates_;

@@ -14,10 +14,12 @@
 #include "client/cli/input/shape_file.hpp"
 #include "client/cli/input/package_folder.hpp"
 #include "client/cli/input/shape_text.hpp"
+#include "client/cli/output/described_record.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/server_command.hpp"
 #include "client/cli/verbs/ask_options.hpp"
 #include "client/cli/verbs/undo.hpp"
+#include "idl/answers/commands.hpp"
 #include "idl/commands.hpp"
 #include "client/cli/output/readable.hpp"
 
@@ -75,10 +77,6 @@ std::string joined(const std::vector<std::string>& names, std::size_t most = 5) 
   return text;
 }
 
-RawJson names_json(const std::vector<std::string>& names) {
-  return {nlohmann::json(names).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
-}
-
 class AddCommand : public Command {
  public:
   void declare(CLI::App& app) override {
@@ -112,14 +110,12 @@ class AddCommand : public Command {
     if (solid_.is_by_winding()) arguments["solid_by"] = "winding";
     const nlohmann::json answer =
         server_command(session, globals, wire::kAdd, with_durable(arguments, durable_), {shape});
-    const std::uint64_t version = count_of(answer, "version");
-    const std::string warning = text_of(answer, "warning");
+    const auto [id, version, not_kept, warning] = answer_in<Added>(answer);
     if (!warning.empty())
       print_warning(session.io, printable(warning) + (solid_.is_by_winding() && warning.starts_with("solid by")
                                                           ? ""
                                                           : ": inside is where the mesh goes around a point"));
-    print_done(session, globals, answer,
-               {{"added", std::string(name)}, {"id", count_of(answer, "id")}, {"world", version}},
+    print_done(session, globals, answer, {{"added", std::string(name)}, {"id", id}, {"world", version}},
                fmt::format("added {} (world {})", printable(name), version));
     return Exit::yes;
   }
@@ -184,18 +180,17 @@ class MoveCommand : public Command {
   }
 
   static void print(Session& session, const Globals& globals, const std::string& name, const nlohmann::json& answer) {
-    const std::vector<std::string> began = texts_of(answer, "began");
-    const std::vector<std::string> ended = texts_of(answer, "ended");
+    const auto moved = answer_in<Moved>(answer);
     std::string line =
-        fmt::format("moved {} {}", printable(name), readable_length(number_of(answer, "moved_m"), 0, Digits::rounded));
-    if (!began.empty()) line += "; began to touch " + joined(began);
-    if (!ended.empty()) line += "; stopped touching " + joined(ended);
+        fmt::format("moved {} {}", printable(name), readable_length(moved.distance_m, 0, Digits::rounded));
+    if (!moved.began.empty()) line += "; began to touch " + joined(moved.began);
+    if (!moved.ended.empty()) line += "; stopped touching " + joined(moved.ended);
     print_done(session, globals, answer,
                {{"moved", std::string(name)},
-                {"distance", number_of(answer, "moved_m")},
-                {"began", names_json(began)},
-                {"ended", names_json(ended)},
-                {"world", count_of(answer, "version")}},
+                {"distance", moved.distance_m},
+                {"began", raw_json(moved.began)},
+                {"ended", raw_json(moved.ended)},
+                {"world", moved.version}},
                line);
   }
 
@@ -228,14 +223,11 @@ class RemoveCommand : public Command {
     const Undo undo = undo_of(session, globals, {.names = name});
     const nlohmann::json answer = is_glob ? server_command(session, globals, wire::kRemove, arguments)
                                           : object_command(session, globals, wire::kRemove, name, arguments);
-    const std::vector<std::string> removed = texts_of(answer, "removed");
-    const std::uint64_t ended = count_of(answer, "ended");
-    const std::uint64_t version = count_of(answer, "version");
+    const auto [removed, ended, version, not_kept] = answer_in<Removed>(answer);
     std::string line = removed.empty() ? fmt::format("nothing is named '{}'", printable(name))
                                        : fmt::format("removed {} (world {})", joined(removed), version);
     if (ended > 0) line += fmt::format("; it had {}, ended (removed)", counted(ended, "open contact"));
-    print_done(session, globals, answer, {{"removed", names_json(removed)}, {"ended", ended}, {"world", version}},
-               line);
+    print_done(session, globals, answer, {{"removed", raw_json(removed)}, {"ended", ended}, {"world", version}}, line);
     if (const std::vector<std::string> detached = texts_of(answer, "detached"); !detached.empty())
       print_hint(session.io, globals, fmt::format("attached to it until now, and still there: {}", joined(detached)));
     if (!removed.empty()) print_undo(session, globals, undo);
@@ -253,23 +245,25 @@ class LoadCommand : public Command {
            "File that the server can read; with --upload, that this side can read; embedded: for the small one inside");
     app.add_flag("--upload", upload_,
                  "Send the file's bytes; the server reads them in a process that may do nothing else");
-    option(app, "--name NAME", name_, "Name of the scene (the file's stem)");
+    option(app, "--name NAME", options_.name, "Name of the scene (the file's stem)");
     option(app, "--unit UNIT", unit_, "Of the file: m, mm, in, ... or metres a unit (m)");
-    option(app, "--up AXIS", up_, "Axis of the file that points up: y or z (as the format says, else z)")
+    option(app, "--up AXIS", options_.up, "Axis of the file that points up: y or z (as the format says, else z)")
         ->check(CLI::IsMember({"y", "z"}));
-    option(app, "--radius", Measure::length, radius_m_, "Of the balls about the points of an .xyz or .pcd file (0)");
-    app.add_flag("--strict", strict_, "Refuse what would be mended");
-    app.add_flag("--mend", mend_, "Cut edges at T-vertices and close cracks");
-    option(app, "--crack", Measure::length, crack_m_, "Widest crack (a ten-thousandth of the diagonal)");
-    option(app, "--srdf FILE", srdf_, "Of a .urdf robot: the file that says which links may touch");
-    option(app, "--package NAME=DIR", packages_, "Of a .urdf robot: NAME=DIR, where a package that it names lies")
+    option(app, "--radius", Measure::length, options_.radius_m,
+           "Of the balls about the points of an .xyz or .pcd file (0)");
+    app.add_flag("--strict", options_.strict, "Refuse what would be mended");
+    app.add_flag("--mend", options_.mend, "Cut edges at T-vertices and close cracks");
+    option(app, "--crack", Measure::length, options_.crack_m, "Widest crack (a ten-thousandth of the diagonal)");
+    option(app, "--srdf FILE", options_.srdf, "Of a .urdf robot: the file that says which links may touch");
+    option(app, "--package NAME=DIR", options_.packages,
+           "Of a .urdf robot: NAME=DIR, where a package that it names lies")
         ->allow_extra_args(false);
-    app.add_flag("--replace", replace_, "Replace the scene of that name");
-    app.add_flag("--moving", moving_, "Its objects take poses: of `move`, or of a publisher that claims them");
+    app.add_flag("--replace", options_.replace, "Replace the scene of that name");
+    app.add_flag("--moving", options_.moving, "Its objects take poses: of `move`, or of a publisher that claims them");
     solid_.declare(app,
                    "Its meshes with what they enclose; those that do not close stay surfaces; =winding: they are by "
                    "winding number");
-    option(app, "--solid-only GLOB", solid_only_, "The same for parts and objects whose name matches this glob");
+    option(app, "--solid-only GLOB", options_.solid, "The same for parts and objects whose name matches this glob");
     option(app, "--covers BOX", covers_,
            "Box X0,Y0,Z0:X1,Y1,Z1 in which it is complete; outside of all such nothing is called free")
         ->allow_extra_args(false);
@@ -278,35 +272,29 @@ class LoadCommand : public Command {
 
   Exit run(Session& session, const Globals& globals) override {
     if (path_.empty()) throw bad_use("which file?", "collide load FILE");
-    nlohmann::json arguments{
-        {"name", name_},
-        {"unit_m", unit_in_metres()},
-        {"up", up_},
-        {"radius_m", radius_m_},
-        {"strict", strict_},
-        {"mend", mend_},
-        {"crack_m", crack_m_},
-        {"srdf", srdf_.empty() ? "" : std::filesystem::absolute(srdf_).lexically_normal().string()},
-        {"replace", replace_}};
-    arguments = with_durable(std::move(arguments), durable_);
-    if (moving_) arguments["moving"] = true;
-    for (const std::string& package : packages_) arguments["packages"].push_back(absolute_package(package));
-    const bool is_by_winding = solid_.is_by_winding();
-    if (solid_.is_given() && !is_by_winding && !solid_only_.empty())
+    options_.unit_m = unit_in_metres();
+    if (!options_.srdf.empty()) options_.srdf = absolute(options_.srdf);
+    for (std::string& package : options_.packages) package = absolute_package(package);
+    options_.solid_by_winding = solid_.is_by_winding();
+    if (solid_.is_given() && !options_.solid_by_winding && !options_.solid.empty())
       throw bad_use("--solid and --solid-only exclude each other");
-    if (solid_.is_given() || !solid_only_.empty()) arguments["solid"] = solid_only_.empty() ? "*" : solid_only_;
-    if (is_by_winding) arguments["solid_by"] = "winding";
-    for (const std::string& box : covers_) arguments["covers"].push_back(box_json(box));
-    if (upload_ && !srdf_.empty()) throw bad_use("--srdf names a file of the server's; an uploaded file comes alone");
+    if (solid_.is_given() && options_.solid.empty()) options_.solid = "*";
+    for (const std::string& box : covers_) options_.covers.push_back(box_of(box));
+    nlohmann::json arguments = with_durable(json_of(options_), durable_);
+    if (upload_ && !options_.srdf.empty())
+      throw bad_use("--srdf names a file of the server's; an uploaded file comes alone");
     const bool is_embedded = path_ == "embedded:";
-    if (!upload_)
-      arguments["path"] = is_embedded ? path_ : std::filesystem::absolute(path_).lexically_normal().string();
+    if (!upload_) arguments["path"] = is_embedded ? path_ : absolute(path_);
     const nlohmann::json answer = upload_ ? upload(session, globals, arguments) : load(session, globals, arguments);
-    print(session, globals, answer);
-    return texts_of(answer, "refused").empty() ? Exit::yes : Exit::partly_refused;
+    const auto loaded = answer_in<Loaded>(answer);
+    print(session, globals, answer, loaded);
+    return loaded.refused.empty() ? Exit::yes : Exit::partly_refused;
   }
 
  private:
+  static std::string absolute(const std::string& path) {
+    return std::filesystem::absolute(path).lexically_normal().string();
+  }
   double unit_in_metres() const {
     if (unit_.empty()) return 1;
     const double metres =
@@ -315,21 +303,16 @@ class LoadCommand : public Command {
     return metres;
   }
 
-  static nlohmann::json box_json(const std::string& text) {
+  static CoveredBox box_of(const std::string& text) {
     const std::size_t colon = text.find(':');
     const std::vector<double> low = parse_numbers({text.substr(0, colon)}, Measure::length);
     const std::vector<double> high =
         colon == std::string::npos ? std::vector<double>() : parse_numbers({text.substr(colon + 1)}, Measure::length);
     if (low.size() != 3 || high.size() != 3)
       throw bad_use(fmt::format("--covers {}: two corners are needed, X0,Y0,Z0:X1,Y1,Z1", text));
-    nlohmann::json box;
-    for (const std::vector<double>* corner : {&low, &high}) {
-      for (const double x : *corner)
-        box.push_back(std::isinf(x) ? nlohmann::json(x > 0 ? "inf" : "-inf") : nlohmann::json(x));
-    }
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      if (low[axis] > high[axis]) throw bad_use(fmt::format("--covers {}: the lower corner comes first", text));
-    }
+    const CoveredBox box{.low = Vec3(low.data()), .high = Vec3(high.data())};
+    if ((box.low.array() > box.high.array()).any())
+      throw bad_use(fmt::format("--covers {}: the lower corner comes first", text));
     return box;
   }
 
@@ -359,65 +342,38 @@ class LoadCommand : public Command {
                           [&](double now) { progress.show(0, "sending and loading", now); });
   }
 
-  static Value covers_of(const nlohmann::json& answer) {
-    const auto covers = answer.find("covers");
-    if (covers == answer.end() || covers->empty()) return {};
-    return RawJson{covers->dump()};
-  }
-
-  static void print(Session& session, const Globals& globals, const nlohmann::json& answer) {
+  static void print(Session& session, const Globals& globals, const nlohmann::json& answer, const Loaded& loaded) {
     Printer printer = make_printer(session.io, globals);
-    Record record{{"scene", text_of(answer, "scene")},
-                  {"triangles", count_of(answer, "triangles")},
-                  {"parts", count_of(answer, "parts")},
-                  {"objects", count_of(answer, "objects")},
-                  {"seconds", number_of(answer, "seconds")},
-                  {"notes", names_json(texts_of(answer, "notes"))},
-                  {"mended", names_json(texts_of(answer, "mended"))},
-                  {"refused", names_json(texts_of(answer, "refused"))},
-                  {"warnings", names_json(texts_of(answer, "warnings"))},
-                  {"left_out", names_json(texts_of(answer, "left_out"))},
-                  {"world", count_of(answer, "version")},
-                  {"placed", names_json(texts_of(answer, "placed"))},
-                  {"covers", covers_of(answer)}};
+    Record record = record_of(loaded);
+    record.pop_back();  // not_kept
+    place_of(record, "version")->name = "world";
+    if (loaded.covers.empty()) record.back().value = Value();
     tell_not_kept(session, answer, record);
     printer.set_usual_fields({"scene", "parts", "triangles", "objects", "refused", "warnings", "world"});
     if (!printer.human()) return printer.record(record);
     if (globals.quiet) return;
-    const auto seconds = std::chrono::duration<double>(number_of(answer, "seconds"));
-    printer.line(fmt::format("loaded '{}' in {}  world {}", printable(text_of(answer, "scene")),
+    const auto seconds = std::chrono::duration<double>(loaded.seconds);
+    printer.line(fmt::format("loaded '{}' in {}  world {}", printable(loaded.scene),
                              format_duration(std::chrono::duration_cast<std::chrono::nanoseconds>(seconds)),
-                             count_of(answer, "version")));
-    printer.line(fmt::format("  {}, {}, {}", counted(count_of(answer, "parts"), "part"),
-                             counted(count_of(answer, "triangles"), "triangle"),
-                             counted(count_of(answer, "objects"), "object")));
-    const auto lines = [&](const char* label, const char* key) {
-      for (const std::string& text : texts_of(answer, key))
-        printer.line(fmt::format("  {:<9}{}", label, printable(text)));
+                             loaded.version));
+    printer.line(fmt::format("  {}, {}, {}", counted(loaded.parts, "part"), counted(loaded.triangles, "triangle"),
+                             counted(loaded.objects, "object")));
+    const auto lines = [&](const char* label, const std::vector<std::string>& texts) {
+      for (const std::string& text : texts) printer.line(fmt::format("  {:<9}{}", label, printable(text)));
     };
-    lines("placed", "placed");
-    lines("note", "notes");
-    lines("mended", "mended");
-    lines("refused", "refused");
-    lines("warning", "warnings");
+    lines("placed", loaded.placed);
+    lines("note", loaded.notes);
+    lines("mended", loaded.mended);
+    lines("refused", loaded.refused);
+    lines("warning", loaded.warnings);
   }
 
   std::string path_;
-  std::string name_;
   std::string unit_;
-  std::string up_;
-  double radius_m_ = 0;
-  double crack_m_ = 0;
-  std::string srdf_;
-  std::vector<std::string> packages_;
   std::vector<std::string> covers_;
-  std::string solid_only_;
   SolidFlag solid_;
-  bool strict_ = false;
-  bool mend_ = false;
+  LoadOptions options_;
   bool upload_ = false;
-  bool replace_ = false;
-  bool moving_ = false;
   bool durable_ = false;
 };
 
@@ -438,14 +394,12 @@ class ClearCommand : public Command {
     const Undo scenes = scenes_too ? undo_of_scenes(session, globals, scene_) : Undo{};
     const nlohmann::json answer = server_command(session, globals, wire::kClear,
                                                  with_durable({{"scene", scene_}, {"moving", moving_}}, durable_));
-    const std::uint64_t removed = count_of(answer, "removed");
-    const std::uint64_t ended = count_of(answer, "ended");
-    const std::uint64_t kept = count_of(answer, "kept");
-    std::string line = fmt::format("removed {}, ended {} (world {})", counted(removed, "object"),
-                                   counted(ended, "contact"), count_of(answer, "version"));
+    const auto [removed, kept, ended, version, not_kept] = answer_in<Cleared>(answer);
+    std::string line =
+        fmt::format("removed {}, ended {} (world {})", counted(removed, "object"), counted(ended, "contact"), version);
     if (kept > 0) line += fmt::format("; {} belong to publishers that live and stay", format_count(kept));
-    print_done(session, globals, answer,
-               {{"removed", removed}, {"kept", kept}, {"ended", ended}, {"world", count_of(answer, "version")}}, line);
+    print_done(session, globals, answer, {{"removed", removed}, {"kept", kept}, {"ended", ended}, {"world", version}},
+               line);
     print_undo(session, globals, undo);
     print_undo(session, globals, scenes);
     return removed > 0 ? Exit::yes : Exit::no;
@@ -469,7 +423,7 @@ class AcceptLossCommand : public Command {
     lines += losses.empty() ? "nothing is missing"
              : show_        ? "until that is accepted nothing is called free: collide accept-loss"
                             : "accepted: the world counts as whole without it";
-    print_done(session, globals, answer, {{"losses", names_json(losses)}, {"accepted", flag_of(answer, "accepted")}},
+    print_done(session, globals, answer, {{"losses", raw_json(losses)}, {"accepted", flag_of(answer, "accepted")}},
                lines);
     return losses.empty() ? Exit::no : Exit::yes;
   }

@@ -4,8 +4,11 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/input/option.hpp"
 #include "client/cli/output/clock_text.hpp"
+#include "client/cli/output/described_record.hpp"
 #include "client/cli/output/figure_text.hpp"
 #include "client/cli/server_command.hpp"
+#include "client/view/described_status.hpp"
+#include "idl/answers/commands.hpp"
 #include "idl/commands.hpp"
 #include "client/cli/output/readable.hpp"
 
@@ -18,11 +21,6 @@ std::string json_text(const nlohmann::json& value) {
   return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-MaybeVector vector_of(const nlohmann::json& object, const char* key) {
-  const std::vector<double> numbers = numbers_of(object, key);
-  return numbers.size() < 3 ? MaybeVector() : MaybeVector(Vec3(numbers[0], numbers[1], numbers[2]));
-}
-
 class StatusCommand : public Command {
  public:
   void declare(CLI::App&) override {}
@@ -31,35 +29,21 @@ class StatusCommand : public Command {
     const ConnectOptions options = connect_options(session.io, globals);
     const ServerStatus status = take(session.client(globals).status());
     const nlohmann::json covers = covers_of(session.client(globals));
-    const nlohmann::json figures = figures_of(session.client(globals));
-    const nlohmann::json in_doubt = count_in(figures, "pairs", "in_doubt");
-    const nlohmann::json cut_short = count_in(figures, "fences", "cut_short");
-    const nlohmann::json tiles = figures.is_object() ? figures.value("tiles", nlohmann::json()) : nlohmann::json();
-    const bool keeps_nothing = figures.is_object() && flag_of(figures, "keeps_nothing");
+    const std::optional<Figures> figures = figures_of(session.client(globals));
     Printer printer = make_printer(session.io, globals);
     if (printer.human()) {
       print_text(printer, status, options.domain);
-      if (in_doubt.is_number_unsigned() && in_doubt != 0u) {
-        printer.line(printer.paint(Paint::doubt, format_count(in_doubt.get<std::uint64_t>()) +
-                                                     " pairs in doubt: neither known to touch nor to be apart"));
-      }
-      if (cut_short.is_number_unsigned() && cut_short != 0u) {
-        printer.line(printer.paint(
-            Paint::doubt,
-            fmt::format("{} search{} of fences ended at the limit: who came and went then may not have been told",
-                        format_count(cut_short.get<std::uint64_t>()), cut_short == 1u ? "" : "es")));
-      }
-      print_tiles(printer, tiles);
+      if (figures) print_figures(printer, *figures);
       print_covers(printer, covers);
-      if (keeps_nothing)
+      if (figures && figures->keeps_nothing)
         printer.line(printer.paint(Paint::doubt, "keeps nothing: what commands do is lost with a crash (--state-dir)"));
       if (status.state == "recovering") print_losses(printer, session.client(globals));
     } else {
       Record all = record(status, options.domain);
-      all.push_back({"in_doubt", in_doubt.is_number_unsigned() ? Value(in_doubt.get<std::uint64_t>()) : Value()});
-      all.push_back({"cut_short", cut_short.is_number_unsigned() ? Value(cut_short.get<std::uint64_t>()) : Value()});
-      all.push_back({"keeps_nothing", keeps_nothing});
-      all.push_back({"tiles", tiles.is_array() ? Value(RawJson{json_text(tiles)}) : Value()});
+      all.push_back({"in_doubt", figures ? Value(figures->pairs.in_doubt) : Value()});
+      all.push_back({"cut_short", figures ? Value(figures->fences.cut_short) : Value()});
+      all.push_back({"keeps_nothing", figures && figures->keeps_nothing});
+      all.push_back({"tiles", figures ? Value(raw_json(json_of(figures->tiles))) : Value()});
       all.push_back({"covers", covers.is_null() ? Value() : Value(RawJson{covers.dump()})});
       printer.set_usual_fields({"state", "world", "scenes", "objects", "moving", "contacts", "undecided_answers"});
       printer.record(all);
@@ -86,25 +70,25 @@ class StatusCommand : public Command {
       printer.line(printer.paint(Paint::doubt, "missing: " + printable(loss) + " (collide accept-loss)"));
   }
 
-  /// No object where the server does not answer.
-  static nlohmann::json figures_of(Client& client) {
+  /// Nothing where the server does not answer.
+  static std::optional<Figures> figures_of(Client& client) {
     const Result<std::string> answer = client.command(wire::kFigures, "{}", {}, std::chrono::milliseconds(500));
-    return answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
-  }
-  static nlohmann::json count_in(const nlohmann::json& figures, const char* group, const char* key) {
-    const bool is_told = figures.is_object() && figures.contains(group) && figures[group].is_object();
-    return is_told ? figures[group].value(key, nlohmann::json()) : nlohmann::json();
+    return answer ? view::parse_figures(*answer) : std::nullopt;
   }
 
-  /// Of each scene from a file in tiles, how much of it this server holds.
-  static void print_tiles(Printer& printer, const nlohmann::json& tiles) {
-    if (!tiles.is_array()) return;
-    for (const nlohmann::json& scene : tiles) {
-      printer.line(fmt::format("tiles of {}  {} of {} read  ·  {} of {} held", printable(text_of(scene, "scene")),
-                               format_count(count_of(scene, "read")), format_count(count_of(scene, "of")),
-                               format_count(count_of(scene, "triangles")),
-                               counted(count_of(scene, "triangles_of_file"), "triangle")));
-    }
+  static void print_figures(Printer& printer, const Figures& figures) {
+    if (figures.pairs.in_doubt != 0)
+      printer.line(printer.paint(Paint::doubt, format_count(figures.pairs.in_doubt) +
+                                                   " pairs in doubt: neither known to touch nor to be apart"));
+    if (const std::uint64_t count = figures.fences.cut_short; count != 0)
+      printer.line(printer.paint(
+          Paint::doubt,
+          fmt::format("{} search{} of fences ended at the limit: who came and went then may not have been told",
+                      format_count(count), count == 1 ? "" : "es")));
+    for (const HeldTiles& tiles : figures.tiles)
+      printer.line(fmt::format("tiles of {}  {} of {} read  ·  {} of {} held", printable(tiles.scene),
+                               format_count(tiles.read), format_count(tiles.of), format_count(tiles.triangles),
+                               counted(tiles.triangles_of_file, "triangle")));
   }
 
   static void print_covers(Printer& printer, const nlohmann::json& covers) {
@@ -151,36 +135,9 @@ class StatusCommand : public Command {
   }
 
   static Record record(const ServerStatus& status, int domain) {
-    nlohmann::json publishers = nlohmann::json::array();
-    for (const PublisherInfo& publisher : status.publishers) {
-      publishers.push_back({{"name", publisher.name},
-                            {"applied_sequence", publisher.applied_sequence},
-                            {"silent", seconds_of(publisher.silent)},
-                            {"lost", publisher.lost}});
-    }
-    return {{"state", std::string(status.state)},
-            {"version_text", std::string(status.version_text)},
-            {"pid", std::uint64_t{status.pid}},
-            {"domain", std::int64_t{domain}},
-            {"namespace", std::string(status.name_space)},
-            {"epoch", status.epoch},
-            {"world", status.version},
-            {"world_time", seconds_of(status.world_time)},
-            {"scenes", RawJson{json_text(status.scenes)}},
-            {"static_triangles", status.static_triangles},
-            {"objects", std::uint64_t{status.objects}},
-            {"moving", std::uint64_t{status.moving}},
-            {"contacts", std::uint64_t{status.contacts}},
-            {"contacts_truncated", status.contacts_truncated},
-            {"poses_applied", status.poses_applied},
-            {"poses_dropped", status.poses_dropped},
-            {"questions_answered", status.questions_answered},
-            {"questions_refused", status.questions_refused},
-            {"undecided_answers", status.undecided_answers},
-            {"last_event_sequence", status.last_event_sequence},
-            {"step_lasting", seconds_of(status.step_lasting)},
-            {"age", seconds_of(status.age)},
-            {"publishers", RawJson{json_text(publishers)}}};
+    Record record = record_of(status);
+    record.insert(place_of(record, "namespace"), {"domain", std::int64_t{domain}});
+    return record;
   }
 };
 
@@ -198,16 +155,14 @@ class ListCommand : public Command {
     if (moving_ && static_) throw bad_use("--moving and --static exclude each other");
     nlohmann::json arguments{{"name", glob_}, {"limit", count_only_ ? 0 : limit_}};
     if (moving_ || static_) arguments["moving"] = moving_;
-    const nlohmann::json answer = server_command(session, globals, wire::kList, arguments);
-    const nlohmann::json objects = answer.value("objects", nlohmann::json::array());
-    const std::uint64_t count = count_of(answer, "count");
+    const auto [objects, count, version] = server_answer<ObjectList>(session, globals, wire::kList, arguments);
     Printer printer = make_printer(session.io, globals);
     if (count_only_) {
       if (printer.human()) printer.line(std::to_string(count));
       else printer.record({{"count", count}});
       return count > 0 ? Exit::yes : Exit::no;
     }
-    for (const nlohmann::json& object : objects) print(printer, object);
+    for (const ListedObject& object : objects) print(printer, object);
     printer.finish();
     if (objects.size() < count)
       print_hint(session.io, globals,
@@ -222,30 +177,18 @@ class ListCommand : public Command {
     if (!glob_.empty()) return fmt::format("no {}'s name matches '{}'", kind, printable(glob_));
     return fmt::format("no {}s; 'collide load FILE' and 'collide add' put some into the world", kind);
   }
-  static void print(Printer& printer, const nlohmann::json& object) {
-    if (printer.human()) {
-      const MaybeVector position = vector_of(object, "position");
-      const std::string from =
-          text_of(object, "publisher").empty() ? text_of(object, "scene") : text_of(object, "publisher");
-      printer.row(
-          {"OBJECT", "KIND", "MOVES", "AT", "FROM"},
-          {printable(text_of(object, "name")), printable(text_of(object, "kind")),
-           std::string(flag_of(object, "moving") ? "yes" : "no") + (flag_of(object, "stale") ? ", stale" : "") +
-               (text_of(object, "attached_to").empty() ? "" : ", with " + printable(text_of(object, "attached_to"))),
-           position.given ? readable_point(position.value, 0, printer.digits()) : std::string(), printable(from)});
-      return;
+  static void print(Printer& printer, const ListedObject& object) {
+    if (!printer.human()) {
+      Record record = record_of(object);
+      record.back().value = object.attached_to;
+      return printer.record(record);
     }
-    printer.record({{"name", text_of(object, "name")},
-                    {"id", count_of(object, "id")},
-                    {"kind", text_of(object, "kind")},
-                    {"moving", flag_of(object, "moving")},
-                    {"scene", text_of(object, "scene")},
-                    {"publisher", text_of(object, "publisher")},
-                    {"position", vector_of(object, "position")},
-                    {"triangles", count_of(object, "triangles")},
-                    {"layers", count_of(object, "layers")},
-                    {"stale", flag_of(object, "stale")},
-                    {"attached_to", text_of(object, "attached_to")}});
+    printer.row({"OBJECT", "KIND", "MOVES", "AT", "FROM"},
+                {printable(object.name), printable(object.kind),
+                 std::string(object.moving ? "yes" : "no") + (object.stale ? ", stale" : "") +
+                     (object.attached_to.empty() ? "" : ", with " + printable(object.attached_to)),
+                 object.position ? readable_point(*object.position, 0, printer.digits()) : std::string(),
+                 printable(object.publisher.empty() ? object.scene : object.publisher)});
   }
 
   std::string glob_;
@@ -329,16 +272,18 @@ class PlanCommand : public Command {
   void declare(CLI::App& app) override { app.add_flag("--pairs", pairs_, "Which shapes meet which, and how"); }
 
   Exit run(Session& session, const Globals& globals) override {
-    const nlohmann::json answer = server_command(session, globals, wire::kPlan, nlohmann::json::object());
+    const auto plan = server_answer<Plan>(session, globals, wire::kPlan, nlohmann::json::object());
     Printer printer = make_printer(session.io, globals);
     if (pairs_) {
-      for (const nlohmann::json& pair : answer.value("pairs", nlohmann::json::array())) {
-        print(printer, pair, {"a", "b", "how"}, {"A", "B", "HOW"});
+      for (const PlannedPair& pair : plan.pairs) {
+        if (printer.human())
+          printer.row({"A", "B", "HOW"}, {printable(pair.a), printable(pair.b), printable(pair.how)});
+        else printer.record(record_of(pair));
       }
     } else {
-      for (const nlohmann::json& row : answer.value("structures", nlohmann::json::array())) {
-        if (printer.human()) print_structure(printer, row);
-        else print(printer, row, {"structure", "built", "why", "saves"}, {});
+      for (const PlannedStructure& structure : plan.structures) {
+        if (printer.human()) print_structure(printer, structure);
+        else printer.record(record_of(structure));
       }
     }
     printer.finish();
@@ -347,27 +292,11 @@ class PlanCommand : public Command {
 
  private:
   /// Prints a structure as lines, since its sentences would make a table hundreds of columns wide.
-  static void print_structure(Printer& printer, const nlohmann::json& row) {
-    const bool is_built = flag_of(row, "built");
-    std::string line = printer.paint(is_built ? Paint::good : Paint::faint, is_built ? "built   " : "left out") + "  " +
-                       printable(text_of(row, "structure")) + ": " + printable(text_of(row, "why"));
-    if (const std::string saves = text_of(row, "saves"); !saves.empty()) line += "; saves " + printable(saves);
+  static void print_structure(Printer& printer, const PlannedStructure& row) {
+    std::string line = printer.paint(row.built ? Paint::good : Paint::faint, row.built ? "built   " : "left out") +
+                       "  " + printable(row.structure) + ": " + printable(row.reason);
+    if (!row.saves.empty()) line += "; saves " + printable(row.saves);
     printer.line(line);
-  }
-
-  static void print(Printer& printer, const nlohmann::json& row, const std::vector<const char*>& keys,
-                    const std::vector<std::string>& header) {
-    Record record;
-    std::vector<std::string> cells;
-    for (const char* key : keys) {
-      const nlohmann::json value = row.value(key, nlohmann::json());
-      if (value.is_boolean()) record.push_back({key, value.get<bool>()});
-      else record.push_back({key, value.is_string() ? value.get<std::string>() : json_text(value)});
-      cells.push_back(value.is_boolean() ? (value.get<bool>() ? "yes" : "no")
-                                         : printable(value.is_string() ? value.get<std::string>() : json_text(value)));
-    }
-    if (printer.human()) printer.row(header, cells);
-    else printer.record(record);
   }
 
   bool pairs_ = false;

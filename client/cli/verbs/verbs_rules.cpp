@@ -6,6 +6,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/input/option.hpp"
 #include "client/cli/server_command.hpp"
+#include "idl/answers/commands.hpp"
 #include "idl/commands.hpp"
 
 namespace collided::cli {
@@ -13,10 +14,27 @@ namespace {
 
 std::string objects_of(std::uint64_t count) { return fmt::format("{} object{}", count, count == 1 ? "" : "s"); }
 
-void warn_of_empty(Session& session, const Globals& globals, const nlohmann::json& answer, const char* count,
-                   const std::string& glob) {
-  if (count_of(answer, count) == 0)
-    print_hint(session.io, globals, fmt::format("no object's name matches '{}' now", printable(glob)));
+void warn_of_empty(Session& session, const Globals& globals, std::uint64_t count, const std::string& glob) {
+  if (count == 0) print_hint(session.io, globals, fmt::format("no object's name matches '{}' now", printable(glob)));
+}
+
+/// Prints that pairs were `allowed` or `denied`, and how many contacts `ended` or `began` with it.
+RuleChanged print_changed(Session& session, const Globals& globals, const std::vector<std::string>& names,
+                          const nlohmann::json& answer, const char* did, const char* what) {
+  auto changed = answer_in<RuleChanged>(answer);
+  changed.contacts = count_of(answer, what);
+  Printer printer = make_printer(session.io, globals);
+  if (printer.human()) {
+    printer.line(fmt::format("{}  {} with {}  {} {} (world {})", did, objects_of(changed.a_count),
+                             objects_of(changed.b_count), what, counted(changed.contacts, "contact"), changed.version));
+  } else {
+    printer.record({{"a", std::string_view(names[0])},
+                    {"b", std::string_view(names[1])},
+                    {what, changed.contacts},
+                    {"rules", changed.rules},
+                    {"world", changed.version}});
+  }
+  return changed;
 }
 
 class AllowCommand : public Command {
@@ -34,20 +52,9 @@ class AllowCommand : public Command {
     const nlohmann::json answer =
         server_command(session, globals, wire_contract::command::kAllow,
                        {{"a", names_[0]}, {"b", names_[1]}, {"because", because_}, {"durable", durable_}});
-    Printer printer = make_printer(session.io, globals);
-    if (printer.human()) {
-      printer.line(fmt::format("allowed  {} with {}  ended {} (world {})", objects_of(count_of(answer, "a_count")),
-                               objects_of(count_of(answer, "b_count")), counted(count_of(answer, "ended"), "contact"),
-                               count_of(answer, "version")));
-    } else {
-      printer.record({{"a", std::string_view(names_[0])},
-                      {"b", std::string_view(names_[1])},
-                      {"ended", count_of(answer, "ended")},
-                      {"rules", count_of(answer, "rules")},
-                      {"world", count_of(answer, "version")}});
-    }
-    warn_of_empty(session, globals, answer, "a_count", names_[0]);
-    warn_of_empty(session, globals, answer, "b_count", names_[1]);
+    const RuleChanged changed = print_changed(session, globals, names_, answer, "allowed", "ended");
+    warn_of_empty(session, globals, changed.a_count, names_[0]);
+    warn_of_empty(session, globals, changed.b_count, names_[1]);
     print_hint(session.io, globals, fmt::format("undo: collide deny '{}' '{}'", names_[0], names_[1]));
     return Exit::yes;
   }
@@ -56,21 +63,19 @@ class AllowCommand : public Command {
   static Exit list(Session& session, const Globals& globals) {
     const nlohmann::json answer =
         server_command(session, globals, wire_contract::command::kAllowed, nlohmann::json::object());
+    const auto rules = member_of<std::vector<ListedRule>>(answer, "rules");
     Printer printer = make_printer(session.io, globals);
-    bool has_any = false;
-    for (const nlohmann::json& rule : answer.value("rules", nlohmann::json::array())) {
-      has_any = true;
-      const std::string a = text_of(rule, "a");
-      const std::string b = text_of(rule, "b");
-      const std::string because = text_of(rule, "because");
-      const std::string_view what = flag_of(rule, "allows") ? "allowed" : "denied";
+    for (const ListedRule& rule : rules) {
+      const std::string_view what = rule.allows ? "allowed" : "denied";
       if (printer.human())
-        printer.row({"RULE", "A", "B", "BECAUSE"}, {std::string(what), printable(a), printable(b), printable(because)});
-      else printer.record({{"rule", what}, {"a", a}, {"b", b}, {"because", because}});
+        printer.row({"RULE", "A", "B", "BECAUSE"},
+                    {std::string(what), printable(rule.a), printable(rule.b), printable(rule.because)});
+      else printer.record({{"rule", what}, {"a", rule.a}, {"b", rule.b}, {"because", rule.because}});
     }
     printer.finish();
-    if (!has_any) print_hint(session.io, globals, "no pair is allowed to touch, but by masks, groups and SRDF files");
-    return has_any ? Exit::yes : Exit::no;
+    if (rules.empty())
+      print_hint(session.io, globals, "no pair is allowed to touch, but by masks, groups and SRDF files");
+    return rules.empty() ? Exit::no : Exit::yes;
   }
 
   std::vector<std::string> names_;
@@ -89,18 +94,7 @@ class DenyCommand : public Command {
       throw bad_use(fmt::format("{} names; two are needed", names_.size()), "collide deny 'human_*' '*'");
     const nlohmann::json answer = server_command(session, globals, wire_contract::command::kDeny,
                                                  {{"a", names_[0]}, {"b", names_[1]}, {"durable", durable_}});
-    Printer printer = make_printer(session.io, globals);
-    if (printer.human()) {
-      printer.line(fmt::format("denied  {} with {}  began {} (world {})", objects_of(count_of(answer, "a_count")),
-                               objects_of(count_of(answer, "b_count")), counted(count_of(answer, "began"), "contact"),
-                               count_of(answer, "version")));
-    } else {
-      printer.record({{"a", std::string_view(names_[0])},
-                      {"b", std::string_view(names_[1])},
-                      {"began", count_of(answer, "began")},
-                      {"rules", count_of(answer, "rules")},
-                      {"world", count_of(answer, "version")}});
-    }
+    print_changed(session, globals, names_, answer, "denied", "began");
     return Exit::yes;
   }
 

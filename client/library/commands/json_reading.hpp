@@ -6,7 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "collided/client.hpp"
-#include "idl/described.hpp"
+#include "idl/described_json.hpp"
 
 namespace collided::client {
 

@@ -9,9 +9,11 @@
 #include <nlohmann/json.hpp>
 
 #include "client/library/commands/command.hpp"
+#include "client/library/commands/json_reading.hpp"
 #include "client/library/connection/connection.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/machine_findings.hpp"
+#include "idl/answers/figures.hpp"
 #include "idl/clocks.hpp"
 #include "idl/columns.hpp"
 #include "idl/commands.hpp"
@@ -133,25 +135,21 @@ std::string tenths_of_ms(std::int64_t ns) {
 /// little, so a large difference means that clocks differ, or that a publisher stamps poses that are old.
 std::optional<Finding> publisher_clocks_finding(Connection& connection) {
   constexpr std::int64_t kNoticedNs = 5'000'000;
-  const Result<std::string> answer =
-      client::command(connection, wire_contract::command::kFigures, nlohmann::json::object(), std::chrono::seconds(2));
-  const nlohmann::json figures = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
-  if (!figures.is_object()) return std::nullopt;
-  std::vector<std::pair<std::int64_t, std::string>> clocks;
-  for (const nlohmann::json& clock : figures.value("clocks", nlohmann::json::array())) {
-    clocks.emplace_back(clock.value("behind_ns", std::int64_t{0}), clock.value("publisher", std::string()));
-  }
-  if (clocks.size() < 2) return std::nullopt;
-  const auto [ahead, behind] = std::minmax_element(clocks.begin(), clocks.end());
-  const std::int64_t apart_ns = behind->first - ahead->first;
+  constexpr const char* kFigures = wire_contract::command::kFigures;
+  const Result<Figures> figures = client::read_answer<Figures>(
+      client::command(connection, kFigures, nlohmann::json::object(), std::chrono::seconds(2)), kFigures);
+  if (!figures || figures->clocks.size() < 2) return std::nullopt;
+  const auto [ahead, behind] = std::ranges::minmax_element(figures->clocks, {}, &PublisherClock::behind_ns);
+  const std::int64_t apart_ns = behind->behind_ns - ahead->behind_ns;
   if (apart_ns < kNoticedNs) {
-    return Finding{
-        Health::ok, "publisher_clocks",
-        "the stamps of " + std::to_string(clocks.size()) + " publishers agree within " + tenths_of_ms(apart_ns), ""};
+    return Finding{Health::ok, "publisher_clocks",
+                   "the stamps of " + std::to_string(figures->clocks.size()) + " publishers agree within " +
+                       tenths_of_ms(apart_ns),
+                   ""};
   }
   return Finding{Health::warn, "publisher_clocks",
-                 "the stamps of '" + ahead->second + "' are " + tenths_of_ms(apart_ns) + " ahead of those of '" +
-                     behind->second + "'; when their objects met is off by that",
+                 "the stamps of '" + ahead->publisher + "' are " + tenths_of_ms(apart_ns) + " ahead of those of '" +
+                     behind->publisher + "'; when their objects met is off by that",
                  "let both machines follow one time server (PTP, chrony), stamp poses with when they were taken, or "
                  "start collided with --clock-error " +
                      std::to_string(apart_ns / 1'000'000 + 1) + "ms"};

@@ -11,33 +11,20 @@
 #include "idl/commands.hpp"
 #include "idl/glob.hpp"
 
-namespace collided::client {
+namespace collided {
+
+/// What `probes` reports of one; the object is not known where it is absent.
+constexpr auto fields_of(const ProbeReading*) {
+  using T = ProbeReading;
+  constexpr auto has_object = [](const T& reading) { return reading.state != Clearance::absent; };
+  return listed(fields<&T::probe, &T::state>(), fields_if<has_object, &T::object>(),
+                fields<&T::clearance_m, &T::error_m, &T::met, &T::triangle, &T::point, &T::normal>());
+}
+
+namespace client {
 namespace {
 
 constexpr std::chrono::seconds kTimeout{10};
-
-Clearance clearance_of(const std::string& word) {
-  for (std::uint8_t code = 0; codes::is_known<Clearance>(code); ++code) {
-    if (name_of(static_cast<Clearance>(code)) == word) return static_cast<Clearance>(code);
-  }
-  return Clearance::undecided;
-}
-
-nlohmann::json numbers(const Vec3& v) { return {v.x(), v.y(), v.z()}; }
-
-ProbeReading reading_of(const nlohmann::json& row) {
-  ProbeReading reading;
-  reading.probe = row.at("probe");
-  reading.state = clearance_of(row.at("state"));
-  if (reading.state != Clearance::absent) reading.object = row.at("object");
-  reading.clearance_m = row.at("clearance");
-  reading.error_m = row.at("error");
-  reading.met = row.at("met");
-  reading.triangle = row.at("triangle");
-  reading.point = vector_of(row.at("point"));
-  reading.normal = vector_of(row.at("normal"));
-  return reading;
-}
 
 bool fits(const wire::ProbeFrame& frame, std::size_t name_count) {
   return wire::has_rows<wire::ProbeFrameColumns>(frame, name_count);
@@ -48,8 +35,8 @@ bool fits(const wire::ProbeFrame& frame, std::size_t name_count) {
 Result<void> add_probe(Connection& connection, const Probe& probe) {
   nlohmann::json arguments{{"name", probe.name},
                            {"object", probe.object},
-                           {"origin", numbers(probe.origin)},
-                           {"direction", numbers(probe.direction)},
+                           {"origin", json_of(probe.origin)},
+                           {"direction", json_of(probe.direction)},
                            {"back_m", probe.back_m}};
   // JSON has no infinity: a probe without reach_m is endless.
   if (!std::isinf(probe.reach_m) || probe.reach_m < 0) arguments["reach_m"] = probe.reach_m;
@@ -66,11 +53,10 @@ Result<std::size_t> remove_probes(Connection& connection, const std::string& nam
 Result<std::vector<ProbeReading>> read_probes(Connection& connection, const std::string& name_glob) {
   const nlohmann::json arguments{{"name", name_glob}};
   const auto read = [&](const nlohmann::json& answer) {
-    std::vector<ProbeReading> readings;
-    for (const nlohmann::json& row : answer.at("probes")) {
-      readings.push_back(reading_of(row));
-      readings.back().version = answer.at("version");
-      readings.back().world_time = std::chrono::nanoseconds(answer.at("world_time_ns").get<std::int64_t>());
+    auto readings = from_json<std::vector<ProbeReading>>(answer.at("probes"));
+    for (ProbeReading& reading : readings) {
+      reading.version = answer.at("version");
+      reading.world_time = std::chrono::nanoseconds(answer.at("world_time_ns").get<std::int64_t>());
     }
     return readings;
   };
@@ -155,4 +141,5 @@ std::optional<ProbeReading> ProbeReader::next(std::chrono::nanoseconds wait) {
   return reading;
 }
 
-}  // namespace collided::client
+}  // namespace client
+}  // namespace collided

@@ -26,7 +26,8 @@ class PairAnswer:
     verdict: Verdict
     reason: Annotated[str, "reason", UNDECIDED_REASON]
     stale: bool
-    contained: Annotated[str, "contained", CONTAINMENT]  #: "a_in_b" or "b_in_a" where one lies within the other's closed mesh; else empty
+    #: "a_in_b" or "b_in_a" where one lies within the other's closed mesh; else empty
+    contained: Annotated[str, "contained", CONTAINMENT]
     distance: float  #: of a miss; |truth - distance| <= error
     depth: float  #: of a hit; |truth - depth| <= error
     error: float

@@ -11,8 +11,7 @@ import typing
 from typing import Any, TypeVar
 
 from ._answers import Verdict
-from ._contract import NO_TRIANGLE, VERDICT
-from ._library import text, word
+from ._contract import NO_TRIANGLE
 
 _VERDICTS = {
     **dict.fromkeys(("miss", "outside", "apart"), Verdict.MISS),
@@ -24,18 +23,21 @@ T = TypeVar("T")
 def read(kind: type[T], row: dict[str, Any]) -> T:
     """The answer as a dataclass.
 
-    A member comes from that of its own name, or of the path in its Annotated[type, "name", place in the value, ...]. A member
-    that was not written is false, 0, empty or None, as its type has it. A tuple of words in the path turns a code into its
-    word, a dictionary one word into another."""
+    A member comes from that of its own name, or of the path in its Annotated[type, "name", place in the value, ...]; a tuple or
+    a dictionary in the path has the words for codes. A member that was not written is false, 0, empty or None, as its type has
+    it."""
     return kind(**{name: _value(hint, _reached(row, path)) for name, hint, path in _members(typing.cast(Any, kind))})
 
 
-def row_of(told: ctypes.Structure) -> dict[str, Any]:
-    """The members of a struct of C as read() takes them, without the unit of a length."""
-    row = {name: getattr(told, name) for name, *_ in told._fields_}
-    if "verdict" in row:
-        row["verdict"] = VERDICT[row["verdict"]]
-    return {name.removesuffix("_m"): text(value) if isinstance(value, bytes) else value for name, value in row.items()}
+def row_of(struct: ctypes.Structure) -> dict[str, Any]:
+    """A struct of the C interface as the same kind of row: lengths without their unit, texts decoded."""
+    return {name.removesuffix("_m"): _plain(getattr(struct, name)) for name, *_ in struct._fields_}
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, bytes):
+        return value.decode("utf-8", "surrogateescape")
+    return tuple(value) if isinstance(value, ctypes.Array) else value
 
 
 @functools.cache
@@ -53,12 +55,12 @@ def _reached(value: Any, path: tuple[Any, ...]) -> Any:
             return None
         if isinstance(step, str):
             value = value.get(step)
-        elif isinstance(step, tuple):
-            value = word(step, value)
-        elif isinstance(step, dict):
-            value = step.get(value)
         elif isinstance(step, slice):
             value = value[step]
+        elif isinstance(step, tuple):
+            value = step[value] if value < len(step) else str(value)
+        elif isinstance(step, dict):
+            value = step[value]
         else:
             value = value[step] if step < len(value) else None
     return None if str(path[0]).endswith("triangle") and value == NO_TRIANGLE else value
@@ -70,12 +72,12 @@ def _value(hint: Any, value: Any) -> Any:
         return None if value is None else _value(kinds[0], value)
     if value is None:
         return hint()
-    if hint is bool:
-        return bool(value)
     if hint is float:
         return math.inf if isinstance(value, str) else value
     if hint is Verdict:
-        return _VERDICTS.get(value, Verdict.UNDECIDED)
+        return Verdict(value) if isinstance(value, int) else _VERDICTS.get(value, Verdict.UNDECIDED)
+    if hint is bool:
+        return bool(value)
     if typing.get_origin(hint) is tuple:
         return tuple(_value(kinds[0], one) for one in value) if kinds[-1] is ... else tuple(value[: len(kinds)])
     return read(hint, value) if dataclasses.is_dataclass(hint) else value

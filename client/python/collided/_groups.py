@@ -8,7 +8,7 @@ from typing import Annotated
 from ._answers import Verdict
 
 Vector = tuple[float, float, float]
-_CONTAINED = {"a": "a_in_b", "b": "b_in_a"}
+_CONTAINED = {"": "", "a": "a_in_b", "b": "b_in_a"}
 
 
 @dataclass(frozen=True)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "idl/described_json.hpp"
 #include "server/service/commands/object_commands.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
@@ -11,17 +12,6 @@ namespace collided::engine::service {
 
 using nlohmann::json;
 namespace names = wire_contract::command;
-
-namespace {
-
-json pose_json(const Pose& pose) {
-  json all = json::array();
-  for (const double x : pose.position) all.push_back(x);
-  for (const double x : {pose.rotation.w(), pose.rotation.x(), pose.rotation.y(), pose.rotation.z()}) all.push_back(x);
-  return all;
-}
-
-}  // namespace
 
 json ObjectCommands::attach(const CommandAsk& ask, const Arguments& arguments) {
   World& world = with_.loop.world();
@@ -52,11 +42,10 @@ json ObjectCommands::attach(const CommandAsk& ask, const Arguments& arguments) {
     const json again{{"command", names::kAttach},
                      {"child", attached.child_name},
                      {"parent", attached.parent_name},
-                     {"pose", pose_json(attached.in_parent)}};
+                     {"pose", json_of(attached.in_parent)}};
     with_.durable->attached(attached.child_name, again.dump());
   }
-  json answer{
-      {"child", attached.child_name}, {"parent", attached.parent_name}, {"pose", pose_json(attached.in_parent)}};
+  json answer{{"child", attached.child_name}, {"parent", attached.parent_name}, {"pose", json_of(attached.in_parent)}};
   answer["version"] = step();
   return answer;
 }
@@ -69,7 +58,7 @@ void ObjectCommands::keep_detached(const std::string& child) {
   if (!id) return;
   const SnapshotRing::Lease state = world.newest();
   const json again{
-      {"command", names::kMove}, {"name", child}, {"pose", pose_json(state->poses[slot_of(*id)])}, {"teleport", true}};
+      {"command", names::kMove}, {"name", child}, {"pose", json_of(state->poses[slot_of(*id)])}, {"teleport", true}};
   const CommandAsk ask{0, 0, again.dump(), {}};
   answers_.tell_flight_recorder(ask);
   if (with_.durable != nullptr) with_.durable->object_moved(world.info(*id)->rare->scene, child, ask);

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "idl/answers/explanation.hpp"
+#include "idl/described_json.hpp"
 #include "server/service/commands/measuring_commands.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"

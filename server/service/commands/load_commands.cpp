@@ -6,6 +6,7 @@
 #include <fstream>
 #include <zlib.h>
 
+#include "idl/described_json.hpp"
 #include "server/service/commands/load_commands.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
@@ -199,24 +200,23 @@ json LoadCommands::add_scene(const Load& load, LoadedScene& loaded) {
     if (!load.covers.empty()) with_.durable->covers_stated();
   }
   keep_upload(scene.name, load.path);
-  const std::uint64_t version = step();
-  json left_out = json::array();
+  Loaded report{.scene = scene.name,
+                .triangles = loaded.triangles,
+                .parts = scene.parts.size(),
+                .objects = scene.objects.size(),
+                .seconds = loaded.seconds,
+                .placed = loaded.report.placed,
+                .notes = loaded.report.notes,
+                .mended = loaded.report.mended,
+                .refused = loaded.report.refused,
+                .warnings = loaded.report.warnings,
+                .left_out = {},
+                .covers = covered_boxes(load.covers),
+                .version = step()};
   for (const PlanRow& row : plan_of(*world.newest(), with_.loop.contacts_wanted())) {
-    if (!row.built) left_out.push_back(fmt::format("{}: {}", row.structure, row.reason));
+    if (!row.built) report.left_out.push_back(fmt::format("{}: {}", row.structure, row.reason));
   }
-  json answer{{"scene", scene.name},
-              {"triangles", loaded.triangles},
-              {"parts", scene.parts.size()},
-              {"objects", scene.objects.size()},
-              {"seconds", loaded.seconds},
-              {"placed", loaded.report.placed},
-              {"notes", loaded.report.notes},
-              {"mended", loaded.report.mended},
-              {"refused", loaded.report.refused},
-              {"warnings", loaded.report.warnings},
-              {"left_out", left_out},
-              {"covers", covers_json(load.covers)},
-              {"version", version}};
+  json answer = json_of(report);
   if (scene.tiles) answer["tiles"] = tiles_json(*scene.tiles);
   return answer;
 }

@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include <chrono>
-#include <cmath>
 #include <cstring>
 #include <thread>
 
+#include "idl/described_json.hpp"
 #include "server/service/commands/measuring_commands.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/audit/menu.hpp"
@@ -14,36 +14,26 @@ namespace collided::engine::service {
 using nlohmann::json;
 namespace names = wire_contract::command;
 
-namespace {
-
-/// Infinity is no JSON number.
-json number(double value) { return std::isfinite(value) ? json(value) : json("inf"); }
-
-json described(const OpinionCounts& counts) {
-  return {{"agree", counts.agree},
-          {"differ", counts.differ},
-          {"failed", counts.failed},
-          {"unsupported", counts.unsupported}};
-}
-
-}  // namespace
-
 json MeasuringCommands::audit() const {
   const AuditCounts counts = with_.audit.counts();
-  json questions = json::array();
+  Audit audit{.every = with_.audit.every(),
+              .chosen = counts.chosen,
+              .audited = counts.audited,
+              .differing = counts.differing,
+              .skipped = counts.skipped,
+              .float_repairs = with_.counts.float_repairs.load(),
+              .questions = {},
+              .differences = with_.audit.differences(),
+              .opinion = {}};
   for (const QuestionKind kind : kPlainQuestions) {
     const auto& levels = with_.counts.levels[static_cast<std::size_t>(kind)];
-    questions.push_back({{"kind", name_of(kind)},
-                         {"double", levels[0].load()},
-                         {"expansion", levels[1].load()},
-                         {"rational", levels[2].load()}});
+    audit.questions.push_back({.kind = std::string(name_of(kind)),
+                               .in_double = levels[0].load(),
+                               .expansion = levels[1].load(),
+                               .rational = levels[2].load()});
   }
-  json answer{{"every", with_.audit.every()}, {"chosen", counts.chosen},
-              {"audited", counts.audited},    {"differing", counts.differing},
-              {"skipped", counts.skipped},    {"differences", with_.audit.differences()},
-              {"questions", questions},       {"float_repairs", with_.counts.float_repairs.load()}};
-  if (with_.audit.asks_fcl()) answer["opinion"] = described(counts.opinion);
-  return answer;
+  if (with_.audit.asks_fcl()) audit.opinion = counts.opinion;
+  return json_of(audit);
 }
 
 namespace {
@@ -71,21 +61,6 @@ std::vector<double> own_questions(QuestionKind kind, const std::vector<std::byte
                     i, name_of(kind)));
   }
   return numbers;
-}
-
-json described(const MenuRow& row) {
-  json priced{{"kind", row.asked_of},
-              {"method", row.method},
-              {"asked", row.asked},
-              {"judged", row.judged},
-              {"undecided", row.undecided},
-              {"wrong", row.wrong},
-              {"worst_error", number(row.worst_error_m)},
-              {"worst_bound", number(row.worst_bound_m)},
-              {"p50_ns", row.p50_ns},
-              {"p99_ns", row.p99_ns}};
-  if (row.opinion.total() > 0) priced["opinion"] = described(row.opinion);
-  return priced;
 }
 
 QuestionKind kind_of(const std::string& name) {
@@ -196,11 +171,9 @@ void MeasuringCommands::menu_later(CommandAsk ask, const Arguments& arguments) {
 /// What there is by the deadline, and whether that is all.
 json MeasuringCommands::menu(const MenuOptions& options, const AwaitedJob& job) const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
-  json rows = json::array();
-  for (const MenuRow& row : menu_of(*state, options)) { rows.push_back(described(row)); }
-  json answer{{"rows", rows}, {"seed", options.seed}, {"version", state->version}};
-  if (job.is_over()) answer["late"] = true;
-  return answer;
+  Menu answer{.rows = menu_of(*state, options), .seed = options.seed, .version = state->version};
+  answer.late = job.is_over();
+  return json_of(answer);
 }
 
 }  // namespace collided::engine::service

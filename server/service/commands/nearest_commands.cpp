@@ -4,6 +4,7 @@
 #include <map>
 
 #include "server/service/commands/fence_commands.hpp"
+#include "idl/described_json.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/fences/fences.hpp"
@@ -59,7 +60,7 @@ json FenceCommands::nearest(const Arguments& arguments) {
              {"object", ""},
              {"cut_short", world.fences()->cut_short(slot)},
              {"in_doubt", false}};
-    if (rule.carrier.empty()) row["point"] = numbers(std::get<Sphere>(table.described(slot).primitives.front()).center);
+    if (rule.carrier.empty()) row["point"] = json_of(std::get<Sphere>(table.described(slot).primitives.front()).center);
     const auto open = open_of.find(table.id(slot));
     const ObjectInfo* info = open == open_of.end() ? nullptr : world.info(open->second->a);
     if (info != nullptr) {

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "idl/described_json.hpp"
 #include "server/intake/mesh/shape_scale.hpp"
 #include "server/intake/scene_file/scene_file.hpp"
 #include "server/service/commands/object_commands.hpp"
@@ -66,7 +67,7 @@ json ObjectCommands::list(const Arguments& arguments) const {
     if (!info || (moving && info->moving != *moving)) continue;
     if (!glob.empty() && !glob_matches(glob, info->name)) continue;
     if (count++ >= limit) continue;
-    objects.push_back(describe_briefly(*state, *info, with_.loop.publisher_name(info->publisher)));
+    objects.push_back(json_of(listed_object(*state, *info, with_.loop.publisher_name(info->publisher))));
     if (has_bounds) objects.back()["bounds"] = bounds_of(*state, *info);
   }
   return {{"objects", objects}, {"count", count}, {"version", state->version}};
@@ -75,17 +76,19 @@ json ObjectCommands::list(const Arguments& arguments) const {
 json ObjectCommands::get(const Arguments& arguments) {
   const ObjectInfo& info = *with_.loop.world().info(find_object(arguments.text("name")));
   const SnapshotRing::Lease state = with_.loop.world().newest();
-  json object = describe_briefly(*state, info, with_.loop.publisher_name(info.publisher));
-  describe_fully(*state, info, with_.clock.now_ns(), object);
-  if (const auto velocity = with_.loop.publishers().velocity(info.id)) object["velocity"] = *velocity;
-  json contacts = json::array();
+  ObjectDetails details = object_details(*state, info, with_.loop.publisher_name(info.publisher), with_.clock.now_ns());
   json in_doubt = json::array();
   for (const OpenContact& contact : with_.loop.world().contacts()) {
     if (contact.a != info.id && contact.b != info.id) continue;
     const ObjectInfo* other = with_.loop.world().info(contact.a == info.id ? contact.b : contact.a);
-    if (other) (contact.doubt == Doubt::none ? contacts : in_doubt).push_back(other->name);
+    if (other == nullptr) continue;
+    if (contact.doubt == Doubt::none) details.contacts.push_back(other->name);
+    else in_doubt.push_back(other->name);
   }
-  object["contacts"] = contacts;
+  json object = json_of(details);
+  object["shape"] = shape_of(info);
+  object["bounds"] = bounds_of(*state, info);
+  if (const auto velocity = with_.loop.publishers().velocity(info.id)) object["velocity"] = *velocity;
   if (!in_doubt.empty()) object["in_doubt"] = in_doubt;
   json waiting = json::array();
   for (const std::uint64_t publisher : with_.loop.publishers().waiting_for(info.name))
@@ -155,8 +158,8 @@ json ObjectCommands::add(const CommandAsk& ask, const Arguments& arguments) {
   const std::variant<ObjectId, Refusal> defined = with_.loop.world().define(definition);
   if (const auto* refusal = std::get_if<Refusal>(&defined)) throw BadCommand(refusal->reason);
   if (with_.durable != nullptr) with_.durable->object_added(name, ask);
-  json answer{{"name", name}, {"id", std::get<ObjectId>(defined)}, {"version", step()}};
-  if (!warning.empty()) answer["warning"] = warning;
+  json answer = json_of(Added{.id = std::get<ObjectId>(defined), .version = step(), .warning = warning});
+  answer["name"] = name;
   return answer;
 }
 
@@ -186,20 +189,16 @@ json ObjectCommands::move(const CommandAsk& ask, const Arguments& arguments) {
     again["teleport"] = true;
     with_.durable->object_moved(info.rare->scene, name, {0, 0, again.dump(), {}});
   }
-  const std::uint64_t version = step();
-  json began = json::array();
-  json ended = json::array();
+  Moved moved{.distance_m = (pose->position - before).norm(), .began = {}, .ended = {}, .version = step()};
   for (const Event& event : world.events()) {
     if (event.of.a != id && event.of.b != id) continue;
     const ObjectInfo* other = world.info(event.of.a == id ? event.of.b : event.of.a);
-    if (event.kind == EventKind::began) began.push_back(other ? other->name : std::string());
-    if (event.kind == EventKind::ended) ended.push_back(other ? other->name : std::string());
+    if (event.kind == EventKind::began) moved.began.push_back(other ? other->name : std::string());
+    if (event.kind == EventKind::ended) moved.ended.push_back(other ? other->name : std::string());
   }
-  return {{"name", name},
-          {"moved_m", (pose->position - before).norm()},
-          {"began", began},
-          {"ended", ended},
-          {"version", version}};
+  json answer = json_of(moved);
+  answer["name"] = name;
+  return answer;
 }
 
 }  // namespace collided::engine::service

@@ -3,8 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <chrono>
 #include <variant>
 
+#include "idl/described_json.hpp"
 #include "server/service/commands/command_arguments.hpp"
 #include "server/service/questions/nearest_word.hpp"
 #include "server/world/explain/ray_explanation.hpp"
@@ -15,33 +17,27 @@ namespace {
 
 using nlohmann::json;
 
-// -0 is reported as 0.
 json describe(const Sphere& sphere) {
-  return {{"sphere", {{"center", numbers(sphere.center)}, {"radius_m", sphere.radius_m}}}};
+  return {{"sphere", {{"center", json_of(sphere.center)}, {"radius_m", sphere.radius_m}}}};
 }
 
-json describe(const Box& box) {
-  return {{"box",
-           {{"center", numbers(box.center)}, {"half_m", numbers(box.half_m)}, {"rotation", numbers(Quat(box.axes))}}}};
+template <class Placed>
+json placed(const Placed& solid) {
+  return {
+      {"center", json_of(solid.center)}, {"half_m", json_of(solid.half_m)}, {"rotation", json_of(Quat(solid.axes))}};
 }
+json describe(const Box& box) { return {{"box", placed(box)}}; }
+json describe(const Ellipsoid& ellipsoid) { return {{"ellipsoid", placed(ellipsoid)}}; }
 
-json describe(const Capsule& capsule) {
-  return {{"capsule", {{"a", numbers(capsule.a)}, {"b", numbers(capsule.b)}, {"radius_m", capsule.radius_m}}}};
+template <class Long>
+json between_ends(const Long& solid) {
+  return {{"a", json_of(solid.a)}, {"b", json_of(solid.b)}, {"radius_m", solid.radius_m}};
 }
-
-json describe(const Cylinder& cylinder) {
-  return {{"cylinder", {{"a", numbers(cylinder.a)}, {"b", numbers(cylinder.b)}, {"radius_m", cylinder.radius_m}}}};
-}
+json describe(const Capsule& capsule) { return {{"capsule", between_ends(capsule)}}; }
+json describe(const Cylinder& cylinder) { return {{"cylinder", between_ends(cylinder)}}; }
 
 json describe(const Cone& cone) {
-  return {{"cone", {{"apex", numbers(cone.apex)}, {"base", numbers(cone.base)}, {"radius_m", cone.radius_m}}}};
-}
-
-json describe(const Ellipsoid& ellipsoid) {
-  return {{"ellipsoid",
-           {{"center", numbers(ellipsoid.center)},
-            {"half_m", numbers(ellipsoid.half_m)},
-            {"rotation", numbers(Quat(ellipsoid.axes))}}}};
+  return {{"cone", {{"apex", json_of(cone.apex)}, {"base", json_of(cone.base)}, {"radius_m", cone.radius_m}}}};
 }
 
 json describe(const Hull& hull) {
@@ -49,7 +45,7 @@ json describe(const Hull& hull) {
 }
 
 json describe(const HalfSpace& half_space) {
-  return {{"half_space", {{"point", numbers(half_space.point)}, {"normal", numbers(half_space.normal)}}}};
+  return {{"half_space", {{"point", json_of(half_space.point)}, {"normal", json_of(half_space.normal)}}}};
 }
 
 const StaticScene* scene_with(const Snapshot& snapshot, const ObjectInfo& info) {
@@ -69,7 +65,7 @@ json part_bounds(const StaticScene& scene, const Part& part) {
       high = high.cwiseMax(*corner);
     }
   }
-  return {numbers(low), numbers(high)};
+  return {json_of(low), json_of(high)};
 }
 
 bool is_solid_by_winding(const StaticScene& scene, std::uint32_t part) {
@@ -83,27 +79,14 @@ std::uint64_t triangles_of(const ObjectInfo& info) {
 
 }  // namespace
 
-json numbers(const Quat& rotation) {
-  return {rotation.w() + 0.0, rotation.x() + 0.0, rotation.y() + 0.0, rotation.z() + 0.0};
-}
-
-json numbers(const Vec3& vector) { return {vector.x() + 0.0, vector.y() + 0.0, vector.z() + 0.0}; }
-
 json tiles_json(const TilesRead& tiles) {
   return {{"read", tiles.tiles}, {"of", tiles.tiles_of_file}, {"triangles_of_file", tiles.triangles_of_file}};
 }
 
-json covers_json(const std::vector<Aabb>& boxes) {
-  json list = json::array();
-  const auto number = [](double x) { return std::isinf(x) ? json(x > 0 ? "inf" : "-inf") : json(x); };
-  for (const Aabb& box : boxes) {
-    json corners = json::array();
-    for (const Vec3* corner : {&box.low, &box.high}) {
-      for (const double x : *corner) corners.push_back(number(x));
-    }
-    list.push_back(std::move(corners));
-  }
-  return list;
+std::vector<CoveredBox> covered_boxes(const std::vector<Aabb>& boxes) {
+  std::vector<CoveredBox> covered;
+  for (const Aabb& box : boxes) covered.push_back({.low = box.low, .high = box.high});
+  return covered;
 }
 
 ObjectId find_shown(const Snapshot& state, const std::string& name) {
@@ -130,57 +113,63 @@ nlohmann::json bounds_of(const Snapshot& snapshot, const ObjectInfo& info) {
     return scene != nullptr ? part_bounds(*scene, scene->parts[info.scene_part]) : json(nullptr);
   }
   const Aabb bounds = snapshot.bounds(slot_of(info.id));
-  return {numbers(bounds.low), numbers(bounds.high)};
+  json corners = json::array();
+  // A number that is not finite becomes null.
+  for (const Vec3& corner : {bounds.low, bounds.high}) corners.push_back({corner.x(), corner.y(), corner.z()});
+  return corners;
 }
 
-nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name) {
+ListedObject listed_object(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name) {
   const std::uint32_t slot = slot_of(info.id);
-  const bool placed = info.scene_part == kNoTriangle;
-  json object{{"name", info.name},
-              {"id", info.id},
-              {"kind", kind_of(info)},
-              {"moving", info.moving},
-              {"scene", info.rare->scene},
-              {"publisher", publisher_name},
-              {"position", placed ? numbers(snapshot.poses[slot].position) : json(nullptr)},
-              {"triangles", triangles_of(info)},
-              {"layers", info.filter.layers},
-              {"stale", snapshot.stale[slot] != 0}};
+  ListedObject object{.name = info.name,
+                      .id = info.id,
+                      .kind = std::string(kind_of(info)),
+                      .moving = info.moving,
+                      .scene = info.rare->scene,
+                      .publisher = publisher_name,
+                      .position = {},
+                      .triangles = triangles_of(info),
+                      .layers = info.filter.layers,
+                      .stale = snapshot.stale[slot] != 0};
+  if (info.scene_part == kNoTriangle) object.position = snapshot.poses[slot].position;
   if (snapshot.parents) {
     if (const auto parent = snapshot.parents->find(info.id); parent != snapshot.parents->end())
-      object["attached_to"] = snapshot.objects[slot_of(parent->second)]->name;
+      object.attached_to = snapshot.objects[slot_of(parent->second)]->name;
   }
   return object;
 }
 
-void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64_t now_ns, nlohmann::json& object) {
+ObjectDetails object_details(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name,
+                             std::int64_t now_ns) {
   const std::uint32_t slot = slot_of(info.id);
-  object["mask"] = info.filter.mask;
-  object["group"] = info.filter.group;
-  json shape = json::array();
-  for (const Primitive& primitive : info.primitives) {
-    shape.push_back(std::visit([](const auto& one) { return describe(one); }, primitive));
-  }
-  if (triangles_of(info) > 0) {
-    json mesh{{"triangles", triangles_of(info)}};
-    if (info.mesh) mesh["vertices"] = info.mesh->mesh->vertices.size();
-    if (!info.rare->cut.is_whole()) mesh["triangles_of_part"] = info.rare->cut.whole_count;
-    shape.push_back({{"mesh", mesh}});
-  }
-  object["shape"] = shape;
-  object["solid"] = info.rare->solid != nullptr || !info.primitives.empty();
-  if (info.rare->winding) object["solid_by"] = "winding";
+  ObjectDetails object;
+  static_cast<ListedObject&>(object) = listed_object(snapshot, info, publisher_name);
+  object.mask = info.filter.mask;
+  object.group = info.filter.group;
+  object.solid = info.rare->solid != nullptr || !info.primitives.empty();
+  object.solid_by_winding = static_cast<bool>(info.rare->winding);
   if (info.scene_part != kNoTriangle) {
     const StaticScene* scene = scene_with(snapshot, info);
-    if (scene && is_solid_by_winding(*scene, info.scene_part)) object["solid_by"] = "winding";
-    object["bounds"] = bounds_of(snapshot, info);
-    return;
+    if (scene && is_solid_by_winding(*scene, info.scene_part)) object.solid_by_winding = true;
+    return object;
   }
   const Pose& pose = snapshot.poses[slot];
-  object["pose"] = numbers(pose.position);
-  for (const json& number : numbers(pose.rotation)) object["pose"].push_back(number);
-  object["bounds"] = bounds_of(snapshot, info);
-  if (snapshot.posed_ns[slot] > 0) object["age_ns"] = std::max<std::int64_t>(0, now_ns - snapshot.posed_ns[slot]);
+  object.pose = {.position = pose.position, .rotation = pose.rotation};
+  if (snapshot.posed_ns[slot] > 0)
+    object.age = std::chrono::nanoseconds(std::max<std::int64_t>(0, now_ns - snapshot.posed_ns[slot]));
+  return object;
+}
+
+json shape_of(const ObjectInfo& info) {
+  json shape = json::array();
+  for (const Primitive& primitive : info.primitives)
+    shape.push_back(std::visit([](const auto& one) { return describe(one); }, primitive));
+  if (triangles_of(info) == 0) return shape;
+  json mesh{{"triangles", triangles_of(info)}};
+  if (info.mesh) mesh["vertices"] = info.mesh->mesh->vertices.size();
+  if (!info.rare->cut.is_whole()) mesh["triangles_of_part"] = info.rare->cut.whole_count;
+  shape.push_back({{"mesh", mesh}});
+  return shape;
 }
 
 }  // namespace collided::engine::service

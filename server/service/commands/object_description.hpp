@@ -2,23 +2,17 @@
 
 #include <nlohmann/json_fwd.hpp>
 #include <string>
-#include <string_view>
 #include <vector>
 
+#include "idl/answers/commands.hpp"
 #include "server/world/objects/snapshot.hpp"
 
 namespace collided::engine::service {
 
-/// The vector as it stands in answers: [x, y, z], without a minus before 0.
-nlohmann::json numbers(const Vec3& vector);
-/// [w, x, y, z], likewise.
-nlohmann::json numbers(const Quat& rotation);
-
 /// What is read of a file in tiles.
 nlohmann::json tiles_json(const TilesRead& tiles);
 
-/// Boxes as `load` takes them: [[low 3, high 3], ...], sides without end as "inf" and "-inf".
-nlohmann::json covers_json(const std::vector<Aabb>& boxes);
+std::vector<CoveredBox> covered_boxes(const std::vector<Aabb>& boxes);
 
 /// The object of that name in the state; throws BadCommand with the nearest names.
 ObjectId find_shown(const Snapshot& state, const std::string& name);
@@ -27,13 +21,16 @@ ObjectId find_shown(const Snapshot& state, const std::string& name);
 /// has.
 void require_whole(const Snapshot& state, ObjectId id, const std::string& command);
 
-/// What `list` says of an object (idl/commands.hpp). publisher_name: empty for an object of the server's own.
-nlohmann::json describe_briefly(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name);
+/// publisher_name  empty for an object of the server's own
+ListedObject listed_object(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name);
 
 /// [low, high] of an object's bounds, or null where it has no triangles; a side that is not finite becomes null in the text.
 nlohmann::json bounds_of(const Snapshot& snapshot, const ObjectInfo& info);
 
-/// What `get` adds to that: pose, bounds, shape, filter, age.
-void describe_fully(const Snapshot& snapshot, const ObjectInfo& info, std::int64_t now_ns, nlohmann::json& object);
+/// Its pose, filter, age and whether it is solid.
+ObjectDetails object_details(const Snapshot& snapshot, const ObjectInfo& info, const std::string& publisher_name,
+                             std::int64_t now_ns);
+/// The parts of its shape: [{sphere|box|capsule|mesh ...}].
+nlohmann::json shape_of(const ObjectInfo& info);
 
 }  // namespace collided::engine::service

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "idl/answers/pair.hpp"
+#include "idl/described_json.hpp"
 #include "server/geometry/mesh.hpp"
 #include "server/service/commands/certificate_encoding.hpp"
 #include "server/service/commands/measuring_commands.hpp"

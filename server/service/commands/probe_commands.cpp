@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "idl/described_json.hpp"
 #include "server/service/commands/command_family.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/validation.hpp"
@@ -81,16 +82,16 @@ json ProbeCommands::probes(const Arguments& arguments) {
     const ProbeReading& reading = readings[i];
     rows.push_back({{"probe", probe.name},
                     {"object", probe.object},
-                    {"origin", numbers(probe.origin)},
-                    {"direction", numbers(probe.direction)},
+                    {"origin", json_of(probe.origin)},
+                    {"direction", json_of(probe.direction)},
                     {"back_m", probe.back_m},
                     {"state", name_of(reading.state)},
                     {"clearance", reading.clearance_m},
                     {"error", reading.error_m},
                     {"met", object_name(reading.met)},
                     {"triangle", reading.triangle},
-                    {"point", numbers(reading.point)},
-                    {"normal", numbers(reading.normal)}});
+                    {"point", json_of(reading.point)},
+                    {"normal", json_of(reading.normal)}});
     if (std::isfinite(probe.reach_m)) rows.back()["reach_m"] = probe.reach_m;
   }
   const SnapshotRing::Lease state = with_.loop.world().newest();

@@ -5,6 +5,8 @@
 #include <set>
 #include <vector>
 
+#include "idl/answers/commands.hpp"
+#include "idl/described_json.hpp"
 #include "server/service/commands/object_commands.hpp"
 #include "server/service/questions/validation.hpp"
 #include "server/world/query/query.hpp"
@@ -48,7 +50,7 @@ json ObjectCommands::remove(const CommandAsk& ask, const Arguments& arguments) {
   }
   if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); }))
     with_.loop.step_now();
-  json removed = json::array();
+  std::vector<std::string> removed;
   std::vector<DurableState::Removed> gone;
   for (const ObjectId id : chosen) {
     const ObjectInfo& info = *world.info(id);
@@ -57,8 +59,9 @@ json ObjectCommands::remove(const CommandAsk& ask, const Arguments& arguments) {
     world.remove(id, EndReason::removed);
   }
   if (with_.durable != nullptr) with_.durable->removed(gone);
-  if (chosen.empty()) return {{"removed", removed}, {"ended", 0}, {"version", world.newest()->version}};
-  json answer{{"removed", removed}, {"version", step()}, {"ended", ended_count()}};
+  if (chosen.empty()) return json_of(Removed{.names = {}, .version = world.newest()->version});
+  const std::uint64_t version = step();
+  json answer = json_of(Removed{.names = removed, .contacts_ended = ended_count(), .version = version});
   if (json detached = note_ended_attachments(); !detached.empty()) answer["detached"] = std::move(detached);
   return answer;
 }
@@ -104,7 +107,8 @@ json ObjectCommands::clear(const CommandAsk& ask, const Arguments& arguments) {
     }
   }
   if (with_.durable != nullptr) with_.durable->removed(gone);
-  json answer{{"removed", removed}, {"kept", kept}, {"version", step()}, {"ended", ended_count()}};
+  const std::uint64_t version = step();
+  json answer = json_of(Cleared{.removed = removed, .kept = kept, .contacts_ended = ended_count(), .version = version});
   if (json detached = note_ended_attachments(); !detached.empty()) answer["detached"] = std::move(detached);
   return answer;
 }

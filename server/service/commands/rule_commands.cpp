@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "idl/answers/commands.hpp"
+#include "idl/described_json.hpp"
 #include "idl/glob.hpp"
 #include "server/service/commands/command_family.hpp"
 #include "server/service/questions/validation.hpp"
@@ -78,10 +80,10 @@ json RuleCommands::change_rules(const PairRule& changed, std::vector<PairRule> r
   }
   const std::size_t count = rules.size();
   world.set_pair_rules(std::move(rules));
-  return {{"rules", count},
-          {"a_count", count_matching(world, changed.a)},
-          {"b_count", count_matching(world, changed.b)},
-          {"version", step()}};
+  return json_of(RuleChanged{.rules = count,
+                             .a_count = count_matching(world, changed.a),
+                             .b_count = count_matching(world, changed.b),
+                             .version = step()});
 }
 
 json RuleCommands::allow(const Arguments& arguments) {
@@ -109,12 +111,12 @@ json RuleCommands::deny(const Arguments& arguments) {
 
 json RuleCommands::allowed() const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
-  json rules = json::array();
+  std::vector<ListedRule> rules;
   if (state->pair_rules) {
     for (const PairRule& rule : state->pair_rules->rules())
-      rules.push_back({{"a", rule.a}, {"b", rule.b}, {"because", rule.because}, {"allows", rule.allows}});
+      rules.push_back({.a = rule.a, .b = rule.b, .because = rule.because, .allows = rule.allows});
   }
-  return {{"rules", rules}, {"version", state->version}};
+  return {{"rules", json_of(rules)}, {"version", state->version}};
 }
 
 }  // namespace collided::engine::service

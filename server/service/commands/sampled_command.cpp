@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "idl/described.hpp"
+#include "idl/described_json.hpp"
 #include "server/service/commands/command_family.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/service/questions/question_samples.hpp"
@@ -13,7 +13,9 @@ using nlohmann::json;
 /// The numbers of a question, by the names that its verb of `collide` gives them. A ray without an end has no length, a search
 /// without one no reach.
 void add_question(json& row, const SampledQuestion& sample) {
-  const auto vector = [&](std::size_t first) { return numbers(Eigen::Map<const Vec3>(sample.numbers.data() + first)); };
+  const auto vector = [&](std::size_t first) {
+    return json_of(Vec3(Eigen::Map<const Vec3>(sample.numbers.data() + first)));
+  };
   const auto add_finite = [&row](const char* name, double value) {
     if (std::isfinite(value)) row[name] = value;
   };
@@ -71,8 +73,8 @@ json SampledCommands::sampled(const CommandAsk& ask, const Arguments& arguments)
     row["object"] = sample.object.data();
     row["distance"] = sample.hit.distance_m;
     row["error"] = json_of(sample.hit.error_m);
-    row["at"] = numbers(sample.hit.point);
-    row["normal"] = numbers(sample.hit.normal);
+    row["at"] = json_of(sample.hit.point);
+    row["normal"] = json_of(sample.hit.normal);
   }
   return {{"questions", rows}, {"since", since}};
 }

@@ -1,5 +1,4 @@
-#include <cmath>
-
+#include "idl/described_json.hpp"
 #include "server/service/commands/command_family.hpp"
 #include "server/service/commands/object_description.hpp"
 #include "server/world/query/plan.hpp"
@@ -11,45 +10,52 @@ namespace names = wire_contract::command;
 
 namespace {
 
-json durations(const DurationCounts& counts) {
-  json steps = json::array();
+std::vector<DurationStep> durations(const DurationCounts& counts) {
+  std::vector<DurationStep> steps;
   counts.for_each([&](std::int64_t longest_ns, std::uint64_t count) { steps.push_back({longest_ns, count}); });
   return steps;
 }
 
-json stages(const StepSums& sums) {
-  json rows = json::array();
-  const auto row = [&](const char* stage, const Tally& ns) { rows.push_back({{"stage", stage}, {"ns", ns.get()}}); };
-  row("take", sums.take_ns);
-  row("update", sums.update_ns);
-  row("index", sums.index_ns);
-  row("test", sums.test_ns);
-  row("events", sums.events_ns);
-  row("publish", sums.publish_ns);
-  return rows;
+std::vector<StageTime> stages(const StepSums& sums) {
+  return {{"take", sums.take_ns.get()}, {"update", sums.update_ns.get()}, {"index", sums.index_ns.get()},
+          {"test", sums.test_ns.get()}, {"events", sums.events_ns.get()}, {"publish", sums.publish_ns.get()}};
+}
+
+/// The counts as they are now.
+template <template <class> class Counts>
+Counts<std::uint64_t> now(const Counts<Tally>& sums) {
+  Counts<std::uint64_t> counts;
+  const auto take = [&](const auto&... to) {
+    const auto from = [&](const auto&... of) { ((counts.*to.member = of.of(sums).get()), ...); };
+    std::apply(from, fields_of(&sums));
+  };
+  std::apply(take, fields_of(&counts));
+  return counts;
 }
 
 /// What is held of the scenes whose files are in tiles.
-json tiles_of(const Snapshot& state) {
-  json rows = json::array();
+std::vector<HeldTiles> tiles_of(const Snapshot& state) {
+  std::vector<HeldTiles> rows;
   for (const auto& scene : state.scenes) {
     if (!scene->tiles) continue;
-    rows.push_back(tiles_json(*scene->tiles));
-    rows.back()["scene"] = scene->name;
-    rows.back()["triangles"] = scene->mesh.triangles.size();
+    rows.push_back({.scene = scene->name,
+                    .read = scene->tiles->tiles,
+                    .of = scene->tiles->tiles_of_file,
+                    .triangles = scene->mesh.triangles.size(),
+                    .triangles_of_file = scene->tiles->triangles_of_file});
   }
   return rows;
 }
 
-json questions(const QuestionCounts& counts) {
-  json rows = json::array();
+std::vector<AskedKind> questions(const QuestionCounts& counts) {
+  std::vector<AskedKind> rows;
   for (const QuestionKind kind : {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box, QuestionKind::near,
                                   QuestionKind::sweep, QuestionKind::inside, QuestionKind::what_if}) {
     const auto number = static_cast<std::size_t>(kind);
-    std::uint64_t answered = 0;
-    for (const auto& level : counts.levels[number]) answered += level.load(std::memory_order_relaxed);
-    rows.push_back(
-        {{"kind", name_of(kind)}, {"answered", answered}, {"durations", durations(counts.durations[number])}});
+    AskedKind& row = rows.emplace_back();
+    row.kind = name_of(kind);
+    for (const auto& level : counts.levels[number]) row.answered += level.load(std::memory_order_relaxed);
+    row.durations = durations(counts.durations[number]);
   }
   return rows;
 }
@@ -86,10 +92,10 @@ std::vector<BoundCommand> ServerCommands::commands() {
 /// Which structures the server builds for this world, and which it leaves out and why.
 json ServerCommands::plan() const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
-  json structures = json::array();
+  Plan plan;
   std::vector<PlanRow> rows = plan_of(*state, with_.loop.contacts_wanted());
   rows.push_back(plan_of_probes(with_.loop.probe_count(), with_.loop.probes_wanted()));
-  if (const std::uint64_t cut_short = with_.loop.sums().fences_cut_short.get(); cut_short > 0)
+  if (const std::uint64_t cut_short = with_.loop.sums().fences.cut_short.get(); cut_short > 0)
     rows.push_back(plan_of_cut_searches(cut_short));
   if (with_.durable == nullptr) {
     rows.push_back({.structure = "journal",
@@ -97,105 +103,61 @@ json ServerCommands::plan() const {
                     .reason = "no folder to keep it in, so what commands do is lost with a crash",
                     .saves = ""});
   }
-  for (const PlanRow& row : rows) {
-    structures.push_back(
-        {{"structure", row.structure}, {"built", row.built}, {"why", row.reason}, {"saves", row.saves}});
-  }
-  json pairs = json::array();
-  for (const PairRow& row : pair_table()) pairs.push_back({{"a", row.a}, {"b", row.b}, {"how", row.how}});
-  std::uint64_t bytes = 0;
+  for (const PlanRow& row : rows)
+    plan.structures.push_back(
+        {.structure = row.structure, .built = row.built, .reason = row.reason, .saves = row.saves});
+  for (const PairRow& row : pair_table()) plan.pairs.push_back({.a = row.a, .b = row.b, .how = row.how});
   json scenes = json::array();
   for (const auto& scene : state->scenes) {
-    bytes += scene->bytes();
+    plan.bytes += scene->bytes();
     scenes.push_back({{"scene", scene->name}, {"load", json::parse(scene->source, nullptr, false)}});
     if (scene->tiles) scenes.back()["tiles"] = tiles_json(*scene->tiles);
     // An uploaded file is the server's own copy, which goes with the scene.
     if (scenes.back()["load"].is_discarded() || scenes.back()["load"].contains("foreign"))
       scenes.back()["load"] = nullptr;
   }
-  return {{"structures", structures}, {"pairs", pairs}, {"scenes", scenes}, {"bytes", bytes}};
+  json answer = json_of(plan);
+  answer["scenes"] = scenes;
+  return answer;
 }
 
 json ServerCommands::covers() const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
-  return {{"covers", state->covers ? covers_json(*state->covers) : json(nullptr)}, {"version", state->version}};
+  return {{"covers", state->covers ? json_of(covered_boxes(*state->covers)) : json(nullptr)},
+          {"version", state->version}};
 }
 
-/// The counts since the start, as idl/commands.hpp lists them under `figures`.
+/// The counts since the start.
 json ServerCommands::figures() const {
   const StepSums& sums = with_.loop.sums();
   const SnapshotRing::Lease state = with_.loop.world().newest();
-  json clocks = json::array();
-  for (const WorldLoop::PublisherClock& clock : with_.loop.publisher_clocks())
-    clocks.push_back({{"publisher", clock.name}, {"behind_ns", clock.behind_ns}});
-  json not_built = json::array();
+  Figures figures{.up_ns = steady_ns() - started_ns_,
+                  .keeps_nothing = with_.durable == nullptr,
+                  .version = state->version,
+                  .step_period_ns = with_.loop.step_period_ns(),
+                  .steps = sums.steps.get(),
+                  .stalled_steps = sums.stalled_steps.get(),
+                  .step_durations = durations(sums.durations),
+                  .stages = stages(sums),
+                  .pairs = now(sums.pairs),
+                  .fences = now(sums.fences),
+                  .poses = now(sums.poses),
+                  .stamps = now(sums.stamps),
+                  .clocks = with_.loop.publisher_clocks(),
+                  .questions = questions(with_.counts),
+                  .refused = with_.counts.refused.load(),
+                  .undecided = with_.counts.undecided.load(),
+                  .filters_dropped = with_.counts.filters_dropped.load(),
+                  .tiles = tiles_of(*state)};
   for (const PlanRow& row : plan_of(*state, with_.loop.contacts_wanted())) {
-    if (!row.built) not_built.push_back(row.structure);
+    if (!row.built) figures.not_built.push_back(row.structure);
   }
-  return {{"up_ns", steady_ns() - started_ns_},
-          {"keeps_nothing", with_.durable == nullptr},
-          {"version", state->version},
-          {"step_period_ns", with_.loop.step_period_ns()},
-          {"steps", sums.steps.get()},
-          {"stalled_steps", sums.stalled_steps.get()},
-          {"step_durations", durations(sums.durations)},
-          {"stages", stages(sums)},
-          {"pairs",
-           {{"moved", sums.moved.get()},
-            {"candidates", sums.candidates.get()},
-            {"filtered", sums.filtered.get()},
-            {"exact_tests", sums.exact_tests.get()},
-            {"undecided", sums.undecided.get()},
-            {"in_doubt", sums.in_doubt.get()},
-            {"swept", sums.swept.get()},
-            {"kept_apart", sums.kept_apart.get()}}},
-          {"fences",
-           {{"count", sums.fences.get()},
-            {"entered", sums.fences_entered.get()},
-            {"inside", sums.in_fences.get()},
-            {"events", sums.fence_events.get()},
-            {"cut_short", sums.fences_cut_short.get()}}},
-          {"poses",
-           {{"applied", sums.poses_applied.get()},
-            {"late", sums.poses_late.get()},
-            {"unknown", sums.poses_unknown.get()},
-            {"refused", sums.poses_refused.get()},
-            {"superseded", sums.poses_superseded.get()},
-            {"dropped", sums.poses_dropped.get()}}},
-          {"stamps",
-           {{"late", sums.stamps_late.get()},
-            {"jumped", sums.stamps_jumped.get()},
-            {"missing", sums.stamps_missing.get()}}},
-          {"clocks", clocks},
-          {"questions", questions(with_.counts)},
-          {"refused", with_.counts.refused.load()},
-          {"undecided", with_.counts.undecided.load()},
-          {"filters_dropped", with_.counts.filters_dropped.load()},
-          {"not_built", not_built},
-          {"tiles", tiles_of(*state)}};
+  return json_of(figures);
 }
 
-/// The newest steps, stage by stage, as idl/commands.hpp lists them under `steps`.
+/// The newest steps, stage by stage.
 json ServerCommands::steps(const Arguments& arguments) const {
-  const std::uint64_t last = arguments.whole("last");
-  json rows = json::array();
-  for (const StepTrace& trace : with_.loop.traces().newest(last)) {
-    rows.push_back({{"version", trace.version},
-                    {"world_time_ns", trace.world_time_ns},
-                    {"whole_ns", trace.whole_ns},
-                    {"take_ns", trace.take_ns},
-                    {"update_ns", trace.update_ns},
-                    {"index_ns", trace.index_ns},
-                    {"test_ns", trace.test_ns},
-                    {"events_ns", trace.events_ns},
-                    {"publish_ns", trace.publish_ns},
-                    {"moved", trace.moved},
-                    {"candidates", trace.candidates},
-                    {"exact_tests", trace.exact_tests},
-                    {"contacts", trace.contacts},
-                    {"events", trace.events}});
-  }
-  return {{"steps", rows}};
+  return json_of(NewestSteps{.steps = with_.loop.traces().newest(arguments.whole("last"))});
 }
 
 /// What of the time before the crash is missing, and, unless that is only to be shown, that the world counts as whole

@@ -117,7 +117,7 @@ void BackgroundAudit::ask_fcl(const Item& item) {
       fcl_opinion(*item.state->lease, item.question, item.given, [this] { return stopping_.load(); });
   {
     const std::lock_guard lock(mutex_);
-    counts_.opinion.count(opinion.verdict);
+    count(opinion.verdict, counts_.opinion);
   }
   if (opinion.verdict != OpinionVerdict::differ) return;
   std::string numbers;

@@ -3,6 +3,7 @@
 #include <atomic>
 #include <cstdint>
 
+#include "idl/answers/figures.hpp"
 #include "server/service/runtime/duration_counts.hpp"
 
 namespace collided::engine::service {
@@ -28,32 +29,11 @@ struct StepSums {
   Tally test_ns;        // finding and testing candidates
   Tally events_ns;      // what began and ended
   Tally publish_ns;     // writing events, contacts, probes
-  Tally moved;          // objects, each counted once a step
-  Tally candidates;     // pairs of movers
-  Tally filtered;       // pairs of movers near each other that their layers, masks or groups keep from meeting
-  Tally exact_tests;
-  Tally undecided;
-  Tally in_doubt;        // pairs after the newest step
-  Tally fences;          // with the bands of margins, after the newest step, and the next two
-  Tally fences_entered;  // that something is in
-  Tally in_fences;       // objects, each counted once for every fence that it is in
-  Tally fence_events;
-  Tally fences_cut_short;  // searches that ended at their limit of looks
-  Tally swept;
-  Tally kept_apart;
+  PairCounts<Tally> pairs;
+  FenceCounts<Tally> fences;
   DurationCounts durations;  // whole steps, with what they publish
-
-  Tally poses_applied;
-  // Poses that were received and moved nothing, as of the last status.
-  Tally poses_late;
-  Tally poses_unknown;
-  Tally poses_refused;
-  Tally poses_superseded;
-  Tally poses_dropped;
-  // Batches whose stamp was not taken as it is, as of the last status.
-  Tally stamps_late;
-  Tally stamps_jumped;
-  Tally stamps_missing;
+  PoseCounts<Tally> poses;   // this and the next at the last status, poses.applied at the newest step
+  StampCounts<Tally> stamps;
 };
 
 }  // namespace collided::engine::service

@@ -8,27 +8,9 @@
 #include <vector>
 
 #include "idl/commands.hpp"
+#include "idl/answers/figures.hpp"
 
 namespace collided::engine::service {
-
-/// One step of the world: what it took in, decided and wrote, and how long each stage took. Each stage has a clock
-/// reading of its own at both ends; `whole_ns` is measured apart, so the stages' sum can be compared with it.
-struct StepTrace {
-  std::uint64_t version = 0;
-  std::int64_t world_time_ns = 0;
-  std::int64_t whole_ns = 0;  // from the first sample that it waited for to its last write, waiting left out
-  std::int64_t take_ns = 0;   // samples and jobs since the step before
-  std::int64_t update_ns = 0;
-  std::int64_t index_ns = 0;
-  std::int64_t test_ns = 0;
-  std::int64_t events_ns = 0;
-  std::int64_t publish_ns = 0;
-  std::uint32_t moved = 0;
-  std::uint32_t candidates = 0;
-  std::uint32_t exact_tests = 0;
-  std::uint32_t contacts = 0;
-  std::uint32_t events = 0;
-};
 
 /// The newest steps. One thread adds, any thread reads; neither waits for longer than a copy of them takes.
 class StepTraces {

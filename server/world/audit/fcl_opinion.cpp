@@ -63,12 +63,12 @@ double size_of(const OpinionRequest& request) {
 
 }  // namespace
 
-void OpinionCounts::count(OpinionVerdict verdict) {
+void count(OpinionVerdict verdict, OpinionCounts& counts) {
   switch (verdict) {
-    case OpinionVerdict::agree: ++agree; break;
-    case OpinionVerdict::differ: ++differ; break;
-    case OpinionVerdict::failed: ++failed; break;
-    case OpinionVerdict::unsupported: ++unsupported; break;
+    case OpinionVerdict::agree: ++counts.agree; break;
+    case OpinionVerdict::differ: ++counts.differ; break;
+    case OpinionVerdict::failed: ++counts.failed; break;
+    case OpinionVerdict::unsupported: ++counts.unsupported; break;
   }
 }
 

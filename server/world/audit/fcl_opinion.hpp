@@ -6,6 +6,7 @@
 #include <string>
 
 #include "collided/codes.hpp"
+#include "idl/answers/measured.hpp"
 #include "server/world/audit/opinion_request.hpp"
 #include "server/world/query/pair_report.hpp"
 #include "server/world/query/query.hpp"
@@ -22,16 +23,7 @@ struct Opinion {
   std::string why = {};                   // failed, unsupported; or why FCL has no distance
 };
 
-/// How often each verdict was given.
-struct OpinionCounts {
-  std::uint64_t agree = 0;
-  std::uint64_t differ = 0;
-  std::uint64_t failed = 0;
-  std::uint64_t unsupported = 0;
-
-  void count(OpinionVerdict verdict);
-  std::uint64_t total() const { return agree + differ + failed + unsupported; }
-};
+void count(OpinionVerdict verdict, OpinionCounts& counts);
 
 /// Asks FCL about two objects, as they stand in the snapshot, and compares with our own report of them. FCL runs in
 /// collided-opinion, a process of its own with the importer's limits, that is started for this question and ends with it: FCL's

@@ -2,28 +2,12 @@
 
 #include <cstdint>
 #include <functional>
-#include <string>
 #include <vector>
 
-#include "server/world/audit/fcl_opinion.hpp"
+#include "idl/answers/measured.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine {
-
-/// What one way of answering one kind of question costs in this world, and how far off it is.
-struct MenuRow {
-  std::string asked_of;  // ray, sphere, box, near, sweep, pair, mesh pair
-  std::string method;
-  std::uint32_t asked = 0;
-  std::uint32_t judged = 0;  // of those, compared with the rationals; the others were only timed
-  std::uint32_t undecided = 0;
-  std::uint32_t wrong = 0;   // of the judged: what the rationals contradict
-  double worst_error_m = 0;  // observed: distances against the rationals, depths against the sharpest
-  double worst_bound_m = 0;  // the largest that came with a number; infinite where none comes
-  std::int64_t p50_ns = 0;
-  std::int64_t p99_ns = 0;
-  OpinionCounts opinion = {};  // FCL's, where it was asked: of pairs, beside our exact answers
-};
 
 struct MenuOptions {
   std::uint32_t questions = 1'000;  // of each kind; fewer of pairs where they are rare in the world or take long

@@ -11,6 +11,7 @@
 #include "server/exact_phase/given/given_overlap.hpp"
 #include "server/geometry/guess_tolerance.hpp"
 #include "server/world/audit/exact_answer.hpp"
+#include "server/world/audit/fcl_opinion.hpp"
 #include "server/world/audit/menu_table.hpp"
 #include "server/world/query/object_parts.hpp"
 #include "server/world/query/pair_report.hpp"
@@ -168,7 +169,7 @@ class PairQuestions {
     if (judging_.is_left() && a.part_count * b.part_count <= kMostJudgedPairs) judging_.spend([&] { judge(a, b); });
     if (is_fcl_asked_ && fcl_.is_left()) {
       fcl_.spend(
-          [&] { table_.row(0).opinion.count(fcl_opinion(snapshot_, a.id, b.id, given_[0], cancelled_).verdict); });
+          [&] { count(fcl_opinion(snapshot_, a.id, b.id, given_[0], cancelled_).verdict, table_.row(0).opinion); });
     }
   }
   void finish(std::vector<MenuRow>& menu) { table_.finish(menu); }

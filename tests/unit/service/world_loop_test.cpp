@@ -410,7 +410,7 @@ TEST_F(WorldLoopTest, AStepsStagesSumToTheWhole) {
     moved += step.moved;
   }
   EXPECT_GE(in_stages_ns, whole_ns - whole_ns / 10) << "time that no stage accounts for";
-  EXPECT_EQ(moved, loop->sums().moved.get());
+  EXPECT_EQ(moved, loop->sums().pairs.moved.get());
   for (std::size_t i = 1; i < traces.size(); ++i) EXPECT_GT(traces[i].version, traces[i - 1].version);
   EXPECT_EQ(loop->traces().newest(3).front().version, traces[traces.size() - 3].version);
 }

@@ -143,7 +143,7 @@ struct LevelledWorld {
     for (int i = 0; i < 5; ++i) {
       ObjectDefinition ball;
       ball.name = "ball" + std::to_string(i);
-      ball.shape.primitives = {Sphere{{}, 0.3}};
+      ball.shape.primitives = {Sphere{Vec3::Zero(), 0.3}};
       ball.pose.position = {4.0 * i - 8, 1, 3};
       world.define(ball);
     }
