@@ -1,13 +1,40 @@
 #include "server/service/runtime/out_of_memory.hpp"
 
+#include <cxxabi.h>
+#include <pthread.h>
 #include <sys/uio.h>
 #include <unistd.h>
 
 #include <array>
 #include <csignal>
+#include <cstdio>
+#include <cstdlib>
 #include <cstring>
+#include <exception>
+#include <new>
+#include <typeinfo>
 
 namespace collided::engine::service {
+namespace {
+
+std::terminate_handler terminated_before = nullptr;
+
+/// A bad_alloc that nobody could catch: destructors of JSON values allocate.
+[[noreturn]] void end_uncaught() noexcept {
+  const std::type_info* thrown = abi::__cxa_current_exception_type();
+  if (thrown != nullptr && *thrown == typeid(std::bad_alloc)) {
+    constexpr std::size_t kLongestName = 16;
+    char name[kLongestName] = "unnamed";
+    pthread_getname_np(pthread_self(), name, sizeof name);
+    char where[kLongestName + sizeof "the 's thread"];
+    std::snprintf(where, sizeof where, "the %s's thread", name);
+    end_out_of_memory(where);
+  }
+  terminated_before();
+  std::abort();
+}
+
+}  // namespace
 
 void end_out_of_memory(const char* where) noexcept {
   const auto piece = [](const char* text) { return iovec{const_cast<char*>(text), std::strlen(text)}; };
@@ -20,6 +47,7 @@ void end_out_of_memory(const char* where) noexcept {
 }
 
 void report_aborts() noexcept {
+  terminated_before = std::set_terminate(end_uncaught);
   struct sigaction action {};
   action.sa_handler = [](int signal) {
     constexpr char kLine[] =

@@ -15,7 +15,8 @@ inline constexpr int kOutOfMemoryExit = 71;
 [[noreturn]] void end_out_of_memory(const char* where) noexcept;
 
 /// Has an abort() say on stderr that it ends the process, and why that may be: DDS aborts where it gets no memory, and says
-/// nothing. The process ends by the signal all the same.
+/// nothing. The process ends by the signal all the same. Where memory ran out within a destructor, which no caller can
+/// catch, the process ends as by end_out_of_memory().
 void report_aborts() noexcept;
 
 }  // namespace collided::engine::service
