@@ -12,6 +12,7 @@ from typing import Any, TypeVar
 
 from ._answers import Verdict
 from ._contract import NO_TRIANGLE
+from ._library import text, word
 
 _VERDICTS = {
     **dict.fromkeys(("miss", "outside", "apart"), Verdict.MISS),
@@ -36,7 +37,7 @@ def row_of(struct: ctypes.Structure) -> dict[str, Any]:
 
 def _plain(value: Any) -> Any:
     if isinstance(value, bytes):
-        return value.decode("utf-8", "surrogateescape")
+        return text(value)
     return tuple(value) if isinstance(value, ctypes.Array) else value
 
 
@@ -58,7 +59,7 @@ def _reached(value: Any, path: tuple[Any, ...]) -> Any:
         elif isinstance(step, slice):
             value = value[step]
         elif isinstance(step, tuple):
-            value = step[value] if value < len(step) else str(value)
+            value = word(step, value)
         elif isinstance(step, dict):
             value = step[value]
         else:
