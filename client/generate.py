@@ -16,7 +16,7 @@ import re
 import sys
 import textwrap
 
-EVENTS = {"Event": "events.hpp", "FenceEvent": "fences.hpp", "MarginEvent": "margins.hpp", "NearestEvent": "nearest.hpp"}
+EVENTS = {"Event": "events.hpp", "StandingEvent": "standing.hpp"}
 WIDTH = 120
 NUMBERS = ("uint8_t", "int32_t", "int64_t", "uint32_t", "uint64_t", "size_t", "double", "float", "char")
 
@@ -216,7 +216,7 @@ def structs_py(_, __, c_text):
              "from ctypes import (", "    POINTER,", "    Structure,",
              *(f"    {name}," for name in ("c_char", "c_char_p", "c_double", "c_int32", "c_int64", "c_size_t", "c_uint32", "c_uint64", "c_void_p")),
              ")", "from typing import Any", ""]
-    for name, value in re.findall(r"COLLIDED_(\w+) = (\d+)", c_text):
+    for name, value in re.findall(r"COLLIDED_(\w+) = (-?\d+)", c_text):
         lines.append(f"{name if name[0].isalpha() else '_' + name} = {value}")
     for struct, body in structs.items():
         lines += ["", "", f"class {class_of(struct)}(Structure):", "    _fields_ = ["]

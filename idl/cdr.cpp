@@ -195,6 +195,8 @@ COLLIDED_CDR_OF(Query);
 COLLIDED_CDR_OF(Reply);
 COLLIDED_CDR_OF(EventFrame);
 COLLIDED_CDR_OF(ContactShard);
+COLLIDED_CDR_OF(StandingFrame);
+COLLIDED_CDR_OF(StandingShard);
 COLLIDED_CDR_OF(ProbeFrame);
 COLLIDED_CDR_OF(Status);
 #undef COLLIDED_CDR_OF

@@ -57,8 +57,8 @@ inline constexpr ArgumentSpec kOpinion{"opinion", text, "fcl: that library is as
 inline constexpr ArgumentSpec kDeadline{"deadline_ns", whole,
                                         "from when the server takes the command, then late; absent: none", 0, kMostNs};
 inline constexpr ArgumentSpec kHysteresis{"hysteresis", number, "m"};
-inline constexpr ArgumentSpec kKeep{"keep", truth,
-                                    "it stays until it is removed, after a crash too; else it goes with the client"};
+inline constexpr ArgumentSpec kKeep{
+    "keep", truth, "it stays until it is removed, and outlives the server; else it goes with the client"};
 inline constexpr ArgumentSpec kSolidBy{
     "solid_by", text, "winding: a mesh that does not close is solid by its winding number; absent: it is refused"};
 
@@ -126,7 +126,7 @@ inline constexpr ArgumentSpec kFence[]{
     kOnly,
     kSkip,
     kMask,
-    {"tells", texts, "of enter, exit, cross; absent: all"},
+    {"detect", texts, "of enter, exit, cross; absent: all"},
     {"to", text, "object that carries it"},
     {"prism", numbers, "[low, high, x, y, x, y, ...] in m; absent: the shape is the query's blob"},
     kKeep};
@@ -147,14 +147,13 @@ inline constexpr ArgumentSpec kNearest[]{{"name", text},
                                          {"within", number, "m"},
                                          kHysteresis,
                                          kKeep};
-inline constexpr ArgumentSpec kRemovedFences[]{
-    kGlob, {"remove", truth}, {"margins", truth, "margins"}, {"nearest", truth, "questions for the nearest"}};
+inline constexpr ArgumentSpec kForm{"form", text, "of this form alone: region, bands, nearest; absent: of all"};
+inline constexpr ArgumentSpec kRemovedFences[]{kGlob, kForm, {"remove", truth}};
 inline constexpr ArgumentSpec kFences[]{kGlob,
+                                        kForm,
                                         {"limit", whole, "", 10'000, 1'000'000},
-                                        {"margins", truth, "these, in place of fences"},
-                                        {"nearest", truth, "the questions for the nearest, in place of fences"},
-                                        {"bands", truth, "those of margins as well, each as a fence"},
-                                        {"outlines", truth, "with them; then at most 1,000"}};
+                                        {"outlines", truth, "regions and bands as pictures show them; at most 1,000"},
+                                        {"lines", truth, "with outlines: their lines too"}};
 inline constexpr ArgumentSpec kAllow[]{{"a", text, "glob"}, {"b", text, "glob"}, {"because", text}};
 inline constexpr ArgumentSpec kDeny[]{{"a", text, "glob"}, {"b", text, "glob"}};
 
@@ -197,11 +196,10 @@ inline constexpr ArgumentSpec kExplainRay[]{{"ray", numbers, "origin 3 (m), dire
                                             kWhyNot,
                                             kAsOf,
                                             kDeadline};
-inline constexpr ArgumentSpec kExplainFence[]{{"fence", text, "its name"}, kWhyNot, kMostOthers, kDeadline};
-inline constexpr ArgumentSpec kExplainNearest[]{
-    {"nearest", text, "name of the question"}, kWhyNot, kMostOthers, kDeadline};
+inline constexpr ArgumentSpec kExplainStanding[]{
+    {"standing", text, "name of a region or a question for the nearest"}, kWhyNot, kMostOthers, kDeadline};
 inline constexpr ArgumentSpec kExplainEvent[]{
-    {"event", whole, "its sequence"}, {"of", text, "contacts or fences; absent: contacts"}, kDeadline};
+    {"event", whole, "its sequence"}, {"of", text, "contacts or standing; absent: contacts"}, kDeadline};
 inline constexpr ArgumentSpec kMenu[]{{"questions", whole, "of each kind", 1'000, 100'000},
                                       {"seed", whole, "", 1},
                                       {"of", text, "ray, sphere, box or near: the query's blob has the questions"},
@@ -237,8 +235,8 @@ inline constexpr ArgumentSpec kMore[]{{"transfer", whole, "its number"},
 
 }  // namespace arguments
 
-/// The kind of state that a command changes, and under which it is kept for the time after a crash. A command that changes
-/// something takes `durable` as well (true: it is refused if it would not outlive a crash of the server).
+/// The kind of state that a command changes, and under which it is kept for the next server. A command that changes
+/// something takes `durable` as well (true: it is refused if it would not outlive the server).
 enum class Changes : std::uint8_t {
   nothing,
   scenes,
@@ -272,6 +270,7 @@ struct CommandSpec {
   std::span<const ArgumentSpec> arguments = {};
   std::span<const CommandForm> forms = {};
   bool answers_bytes = false;  // the answer may be FlatBuffers or a piece of a file, where brackets mean nothing
+  bool is_of_fleet = false;    // a server that is built without the fleet does not have it
 
   constexpr bool changes_world() const { return changes != Changes::nothing; }
   /// Whether a recording needs it to make the same world again.
@@ -290,10 +289,8 @@ inline constexpr CommandForm kFenceForms[]{{"remove", arguments::kRemovedFences}
                                            {"many", arguments::kManyFences},
                                            {"bands", arguments::kMargin},
                                            {"within", arguments::kNearest}};
-inline constexpr CommandForm kExplainForms[]{{"fence", arguments::kExplainFence},
-                                             {"nearest", arguments::kExplainNearest},
-                                             {"ray", arguments::kExplainRay},
-                                             {"event", arguments::kExplainEvent}};
+inline constexpr CommandForm kExplainForms[]{
+    {"standing", arguments::kExplainStanding}, {"ray", arguments::kExplainRay}, {"event", arguments::kExplainEvent}};
 
 inline constexpr CommandSpec kCommands[]{
     {kLoad, change, scenes, each, arguments::kLoad},
@@ -331,13 +328,13 @@ inline constexpr CommandSpec kCommands[]{
     {kAttach, change, attachments, each, arguments::kAttach},
     {kDetach, change, attachments, each, arguments::kDetach},
     {kSampled, change, nothing, all, arguments::kSampled},
-    {kHandOver, change, nothing, all, arguments::kHandOver},
-    {kSettled, ask, nothing, all, arguments::kSettled},
-    {kShard, ask, nothing, all},
-    {kSuccession, change, shard_map, all, arguments::kSuccession},
+    {kHandOver, change, nothing, all, arguments::kHandOver, {}, false, true},
+    {kSettled, ask, nothing, all, arguments::kSettled, {}, false, true},
+    {kShard, ask, nothing, all, {}, {}, false, true},
+    {kSuccession, change, shard_map, all, arguments::kSuccession, {}, false, true},
 };
 
-/// A fence, margin or question for the nearest within the bytes of `many`.
+/// A standing question within the bytes of `many`.
 inline constexpr CommandSpec kPackedFence{
     kFence, change, fences, each, arguments::kFence, std::span(kFenceForms).last<2>()};
 

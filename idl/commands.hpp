@@ -94,23 +94,16 @@ inline constexpr const char* kProbe = "probe";
 /// version
 inline constexpr const char* kProbes = "probes";
 
-/// Adds or removes fences, margins and questions for the nearest. The shape of a fence is a prism or the query's blob:
-/// solid shapes and closed meshes, in the world or in the frame of the object that carries it. A margin is distance bands
-/// about objects.
-/// -> fences [names] (not of many), count, version, parts (of a margin: parts of loaded scenes that the globs match, which
+/// Adds or removes standing questions. The shape of a region is a prism or the query's blob: solid shapes and closed meshes,
+/// in the world or in the frame of the object that it moves along with.
+/// -> standing [names] (not of many), count, version, parts (of bands: parts of loaded scenes that the globs match, which
 /// have no bands; absent: none)
 inline constexpr const char* kFence = "fence";
-/// Text of a reply that answers no request (its number is 0): the client has gone, and with it the fences, margins and
-/// questions for the nearest that it had added without `keep`. Nobody waits for it; recordings have it.
+/// Text of a reply that answers no request (its number is 0): the client has gone, and with it the standing questions that
+/// it had added without `keep`. Nobody waits for it; recordings have it.
 inline constexpr const char* kClientGone = R"({"gone":true})";
 
-/// -> fences [{fence, id, kind, to, only, skip, mask, tells, keep, inside [names], in_doubt [names]}], count, bytes (of
-/// memory for all), version. Of a band also margin, within, around, hysteresis, dwell_ns and the object in `to`; with
-/// outlines also lines [[x, y, z, ...]], what a picture shows of each, in its frame
-/// With margins -> margins [{margin, around, only, skip, mask, bands, hysteresis, dwell_ns, keep, pairs [{object, around,
-/// within, in_doubt}]}], count, version
-/// With nearest -> nearest [{nearest, to, point, only, skip, mask, within, hysteresis, keep, object ("": none), since_ns,
-/// in_doubt, cut_short (searches that ended at their limit of looks)}], count, version
+/// -> standing [ListedStanding], or with outlines [OutlinedStanding], count, bytes (of memory for all), version
 inline constexpr const char* kFences = "fences";
 
 /// How two objects stand to each other.
@@ -120,8 +113,7 @@ inline constexpr const char* kPair = "pair";
 
 /// Why two objects touch or do not, and why events do or do not say so.
 /// -> as pair without triangles and certificate, and the members of ExplainedPair
-/// With ray: why it meets what it meets -> ExplainedRay. With fence, nearest or event: ExplainedFence, ExplainedNearest,
-/// ExplainedEvent.
+/// With ray: why it meets what it meets -> ExplainedRay. With standing or event: ExplainedStanding, ExplainedEvent.
 inline constexpr const char* kExplain = "explain";
 
 /// Rules of which pairs may touch: their contacts are none, and end with reason `allowed`. The last rule that fits a pair

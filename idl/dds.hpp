@@ -41,6 +41,8 @@ using Query = ::collided_wire_v2_Query;
 using Reply = ::collided_wire_v2_Reply;
 using EventFrame = ::collided_wire_v2_EventFrame;
 using ContactShard = ::collided_wire_v2_ContactShard;
+using StandingFrame = ::collided_wire_v2_StandingFrame;
+using StandingShard = ::collided_wire_v2_StandingShard;
 using ProbeFrame = ::collided_wire_v2_ProbeFrame;
 using Status = ::collided_wire_v2_Status;
 using Member = ::collided_wire_v2_Member;
@@ -102,6 +104,16 @@ template <>
 struct WireType<wire::ContactShard> {
   static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_ContactShard_desc;
   static constexpr const wire_contract::TopicQos& row = wire_contract::kContactTopic;
+};
+template <>
+struct WireType<wire::StandingFrame> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_StandingFrame_desc;
+  static constexpr const wire_contract::TopicQos& row = wire_contract::kStandingEventTopic;
+};
+template <>
+struct WireType<wire::StandingShard> {
+  static constexpr const dds_topic_descriptor_t* descriptor = &collided_wire_v2_StandingShard_desc;
+  static constexpr const wire_contract::TopicQos& row = wire_contract::kStandingStateTopic;
 };
 template <>
 struct WireType<wire::ProbeFrame> {

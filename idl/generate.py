@@ -26,9 +26,9 @@ JS = {"octet": "u8", "boolean": "u8", "double": "f64", "long long": "i64", "unsi
 SUFFIXES = {"unsigned long": "U", "unsigned long long": "U"}
 # What the C interface has. Of the first four the enumerators' own word is dropped in C, too.
 SHORT_IN_C = ("HitMode", "Importance", "InstantKind", "Verdict")
-IN_C = (*SHORT_IN_C, "UndecidedReason", "EndReason", "Doubt", "LostPolicy", "ContactEventKind", "FenceEventKind",
-        "MarginEventKind", "NearestEventKind", "Containment", "UnknownCells")
-CONSTANTS_IN_C = ("NO_TRIANGLE", "TELLS_ENTER", "TELLS_EXIT", "TELLS_CROSS")
+IN_C = (*SHORT_IN_C, "UndecidedReason", "EndReason", "Doubt", "LostPolicy", "ContactEventKind", "StandingForm",
+        "StandingEventKind", "Containment", "UnknownCells")
+CONSTANTS_IN_C = ("NO_TRIANGLE", "DETECT_ENTER", "DETECT_EXIT", "DETECT_CROSS")
 
 Enumeration = collections.namedtuple("Enumeration", "name comment prefix words")
 Constant = collections.namedtuple("Constant", "name comment kind value")

@@ -71,6 +71,7 @@ inline constexpr std::uint32_t kMaxTextBytesPerChunk = 256 * 1024;
 inline constexpr std::uint32_t kMaxNameBytes = 255;
 inline constexpr std::uint32_t kMaxMessageBytes = 1 << 20;
 inline constexpr std::uint32_t kContactShards = 64;
+inline constexpr std::uint8_t kStandingSum = 64;  // the shard of standing_state_v3 with the sum of the others
 inline constexpr int kMaxParticipantIndex = 120;
 
 enum class Reliability : std::uint8_t { best_effort, reliable };
@@ -107,13 +108,11 @@ inline constexpr TopicQos kStatusTopic{"status_v2", Reliability::reliable, Durab
 inline constexpr TopicQos kMemberTopic{"member_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
 /// What commands do, to servers that follow. Few follow, and each drains its reader at once.
 inline constexpr TopicQos kChangeTopic{"change_v2", Reliability::reliable, Durability::volatile_data, 0, 0, false};
-/// Who is in which fence, in the messages of events, of contacts and of the status.
-inline constexpr TopicQos kFenceEventTopic{
-    "fence_event_v2", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
-inline constexpr TopicQos kFenceStateTopic{
-    "fence_state_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
-inline constexpr TopicQos kFenceStatusTopic{
-    "fence_status_v2", Reliability::reliable, Durability::volatile_data, 1, 0, false};
+/// Events of standing questions, and what holds.
+inline constexpr TopicQos kStandingEventTopic{
+    "standing_event_v3", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
+inline constexpr TopicQos kStandingStateTopic{
+    "standing_state_v3", Reliability::reliable, Durability::transient_local, 1, 0, false};
 
 /// What a client may send on the topic of queries, where keys are used: each is a partition there, so that each is a
 /// right of its own. Without keys all goes by the default partition.

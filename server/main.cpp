@@ -16,10 +16,8 @@
 #include <vector>
 
 #include "idl/terminal_text.hpp"
-#include "server/service/authority/election.hpp"
-#include "idl/shards/shard_map_store.hpp"
+#include "server/fleet/fleet_source.hpp"
 #include "server/service/options/options.hpp"
-#include "server/service/options/shard_search.hpp"
 #include "server/service/questions/time_slice.hpp"
 #include "server/service/runtime/dds_warnings.hpp"
 #include "server/service/runtime/log.hpp"
@@ -44,15 +42,10 @@ sigset_t block_signals() {
   return signals;
 }
 
-/// Waits for the next signal. Meanwhile it returns free pages to the system; otherwise the allocator's pools keep what
-/// past clients and loads have used.
-int next_signal(const sigset_t& signals) {
-  constexpr timespec kPeriod{.tv_sec = 30, .tv_nsec = 0};
-  int signal = -1;
-  while ((signal = sigtimedwait(&signals, nullptr, &kPeriod)) < 0) {
-    if (errno == EAGAIN) malloc_trim(0);
-  }
-  return signal;
+/// Waits for the next signal, at most for the given time; 0 where none comes.
+int next_signal(const sigset_t& signals, const timespec& at_most) {
+  const int signal = sigtimedwait(&signals, nullptr, &at_most);
+  return signal < 0 ? 0 : signal;
 }
 
 /// Of all threads, DDS's too. Where memory is limited, the whole stack of each counts from the start, and 8 MB of seventeen
@@ -78,7 +71,28 @@ void limit_stopping() {
   }).detach();
 }
 
-int serve(const Options& options) {
+/// Returns once a signal ends the server. The ready line is printed when what was kept is in the world again: before that
+/// an answer may be "undecided", and whoever waits for the line asks at once.
+void serve_until_ended(Server& server, const std::string& ready, const sigset_t& signals) {
+  constexpr timespec kLook{.tv_sec = 0, .tv_nsec = 10'000'000};
+  constexpr timespec kIdle{.tv_sec = 30, .tv_nsec = 0};
+  bool is_announced = false;
+  while (true) {
+    if (!is_announced && !server.is_restoring()) {
+      is_announced = true;
+      fmt::print("{}\n", ready);
+      std::fflush(stdout);
+      notify_supervisor("READY=1\nSTATUS=" + ready);
+    }
+    const int signal = next_signal(signals, is_announced ? kIdle : kLook);
+    if (signal == SIGUSR1) server.write_flight_recorder();
+    // Free pages go back to the system; otherwise the allocator's pools keep what past clients and loads have used.
+    if (signal == 0 && is_announced) malloc_trim(0);
+    if ((signal == SIGTERM || signal == SIGINT) && !server.goes_on()) return;
+  }
+}
+
+int serve(const Options& options, const MakePlace& make_place) {
   // The files of the state folder hold the world and all that was asked. With keys that travels encrypted, so no other
   // user of the machine may read it there.
   ::umask(0077);
@@ -92,15 +106,10 @@ int serve(const Options& options) {
   const std::shared_ptr<spdlog::logger> log = make_log(options.log_level, options.log_json);
   const DdsWarnings dds_warnings(log);
   // Another server has taken this one's place: then it ends as if it had been asked to.
-  Server server(options, log, [] { kill(getpid(), SIGTERM); });
+  Server server(options, log, make_place, [] { kill(getpid(), SIGTERM); });
   const std::string ready = server.start();
   if (options.scenes.empty()) fmt::print("{}", how_to_ask());
-  fmt::print("{}\n", ready);
-  std::fflush(stdout);
-  notify_supervisor("READY=1\nSTATUS=" + ready);
-  for (int signal = next_signal(signals); signal == SIGUSR1 || server.goes_on(); signal = next_signal(signals)) {
-    if (signal == SIGUSR1) server.write_flight_recorder();
-  }
+  serve_until_ended(server, ready, signals);
   notify_supervisor("STOPPING=1");
   limit_stopping();
   server.stop();
@@ -119,7 +128,9 @@ int check_scenes(const Options& options) {
 }
 
 int run(const std::vector<std::string>& arguments) {
-  ParsedOptions parsed = parse_options(arguments, [](const char* name) { return std::getenv(name); });
+  const PlaceSource places = fleet_source();
+  ParsedOptions parsed = parse_options(
+      arguments, [](const char* name) { return std::getenv(name); }, places.apply);
   Options& options = parsed.options;
   if (options.show_help || options.show_version) {
     fmt::print("{}", options.show_help ? help_text() : "collided " + version_text() + "\n");
@@ -128,8 +139,8 @@ int run(const std::vector<std::string>& arguments) {
   if (options.print_config) fmt::print("{}", print_config(parsed));
   if (options.check_config) return check_scenes(options);
   if (options.print_config) return 0;
-  find_shard(options);
-  return options.once ? run_once(options) : serve(options);
+  places.complete(options);
+  return options.once ? run_once(options) : serve(options, places.make);
 }
 
 /// The message may quote files, etcd and other servers.
@@ -142,10 +153,7 @@ void print_error(const std::exception& failed) {
 int main(int count, char** values) {
   try {
     return run({values + 1, values + count});
-  } catch (const NotElected& failed) {
-    print_error(failed);
-    return kGivenWay;
-  } catch (const collided::shards::MapStoreAway& failed) {
+  } catch (const CannotServeNow& failed) {
     print_error(failed);
     return kGivenWay;
   } catch (const std::exception& failed) {

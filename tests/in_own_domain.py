@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Runs a command on DDS domains that no other test uses, with COLLIDED_DOMAIN set to the first of them.
+"""Runs a command on DDS domains that no other test uses, with COLLIDED_DOMAIN set to the first of them, and with an empty
+state folder: a server keeps its world under the number of its domain, and the next test may get the same.
 
 usage: in_own_domain.py [--domains COUNT] COMMAND...    '{domain}', '{domain2}', ... in an argument are their numbers
 
@@ -8,8 +9,10 @@ ended, so the domain is free again only when nothing speaks there any more.
 """
 
 import os
+import shutil
 import socket
 import sys
+import tempfile
 
 # tests/service/own_domain.hpp claims those below; Cyclone DDS has no ports for a full domain above 230.
 FIRST, LAST = 191, 230
@@ -38,6 +41,10 @@ def main() -> None:
         claims = [claim(domain + k) for k in range(count)]
         if all(claims):
             os.environ["COLLIDED_DOMAIN"] = str(domain)
+            # Named by the domain, which is claimed, so that what is left of an earlier test is found and removed.
+            state = os.path.join(tempfile.gettempdir(), f"collided_test_state_{os.getuid()}_{domain}")
+            shutil.rmtree(state, ignore_errors=True)
+            os.environ["XDG_STATE_HOME"] = state
             for k in range(count):
                 name = "{domain}" if k == 0 else f"{{domain{k + 1}}}"
                 words = [word.replace(name, str(domain + k)) for word in words]

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "client/cli/input/line_reader.hpp"
 #include "client/cli/session.hpp"
 
 namespace CLI {
@@ -30,11 +31,11 @@ struct Verb {
   std::string_view name;
   std::string_view group;  // heading in the help; empty: the help does not list it
   std::string_view summary;
-  std::string_view usage;     // one form a line, without "collide"
-  std::string_view examples;  // lines as typed after "collide "
-  std::unique_ptr<Command> (*make)();
-  bool passes_words_on = false;  // its words are not parsed here but passed to another program or completed
-  bool takes_shape = false;      // its help lists the shapes
+  std::string_view usage;              // one form a line, without "collide"
+  std::string_view examples;           // lines as typed after "collide "
+  std::unique_ptr<Command> (*make)();  // null: the verb is in a program of its own, collide-NAME (client/cli/programs)
+  bool passes_words_on = false;        // its words are not parsed here but passed to another program or completed
+  bool takes_shape = false;            // its help lists the shapes
 };
 
 /// All verbs, in the order of the help.
@@ -42,7 +43,25 @@ std::span<const Verb> verbs();
 /// The verb of that name, or null.
 const Verb* find_verb(std::string_view name);
 
-// One function for each verb, defined in client/cli/verbs.
+/// What a program of client/cli/programs has beside the verbs that all programs have. `collide` itself has nothing more, so
+/// that it loads no library that only some verbs need.
+struct OwnParts {
+  struct OwnVerb {
+    std::string_view name;
+    std::unique_ptr<Command> (*make)();
+  };
+  std::vector<OwnVerb> verbs = {};
+  LineSource (*prompted_lines)(const Io&) = nullptr;  // lines that a person types
+};
+
+/// The verb's command. Null where another program has it (run_wing).
+std::unique_ptr<Command> make_command(const Verb& verb, const OwnParts& own);
+
+/// Runs the program collide-NAME with the words of this line: in the place of this process, or as a child where the lines
+/// of `collide -` follow. Throws Failure where there is none, and one without a message where the child has printed its own.
+Exit run_wing(const Session& session, std::string_view name);
+
+// One function for each verb, defined in client/cli/verbs or client/cli/programs.
 std::unique_ptr<Command> make_completion();
 std::unique_ptr<Command> make_complete();
 std::unique_ptr<Command> make_ray();

@@ -24,6 +24,7 @@ struct Failure : std::runtime_error {
       : std::runtime_error(message), code(exit_code), hint(std::move(next_step)) {}
   Exit code;
   std::string hint;
+  bool is_printed = false;  // by another program already
 };
 
 /// The Failure for bad use or bad input: nothing was sent.

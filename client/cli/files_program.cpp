@@ -1,11 +1,9 @@
 #include "client/cli/files_program.hpp"
 
-#include <sys/wait.h>
 #include <unistd.h>
 
 #include <array>
 #include <cerrno>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <memory>
@@ -20,40 +18,9 @@
 namespace collided::cli {
 namespace {
 
-constexpr const char* kProgram = "collided-files";
-
-/// Starts it; its standard output and its errors go to these descriptors, unless they are -1.
-pid_t start(const Io& io, std::vector<std::string> words, int out, int err) {
-  words.insert(words.begin(), kProgram);
-  std::vector<char*> pointers;
-  for (std::string& word : words) pointers.push_back(word.data());
-  pointers.push_back(nullptr);
-  const std::string program = sibling_program(io, "COLLIDED_FILES", kProgram);
-  io.out.flush();
-  io.err.flush();
-  const pid_t child = ::fork();
-  if (child < 0) throw Failure(Exit::refused, fmt::format("{} cannot be started: {}", kProgram, std::strerror(errno)));
-  if (child == 0) {
-    if (out >= 0) ::dup2(out, STDOUT_FILENO);
-    if (err >= 0) ::dup2(err, STDERR_FILENO);
-    ::execvp(program.c_str(), pointers.data());
-    ::_exit(127);
-  }
-  return child;
-}
-
-int exit_code_of(pid_t child) {
-  int status = 0;
-  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {}
-  if (WIFSIGNALED(status) && WTERMSIG(status) == SIGINT) return static_cast<int>(Exit::interrupted);
-  if (WIFSIGNALED(status))
-    throw Failure(Exit::refused, fmt::format("{} was ended by signal {}", kProgram, WTERMSIG(status)));
-  if (WEXITSTATUS(status) == 127) {
-    throw Failure(Exit::bad_use, fmt::format("the program {} was not found", kProgram),
-                  "it is installed with collide; COLLIDED_FILES may name it");
-  }
-  return WEXITSTATUS(status);
-}
+const Sibling kFiles{.name = "collided-files",
+                     .variable = "COLLIDED_FILES",
+                     .remedy = "it is installed with collide; COLLIDED_FILES may name it"};
 
 /// Everything that can be read from the descriptor.
 std::string all_of(int descriptor) {
@@ -70,7 +37,7 @@ std::string all_of(int descriptor) {
 }  // namespace
 
 int run_files_program(const Io& io, std::vector<std::string> words) {
-  return exit_code_of(start(io, std::move(words), -1, -1));
+  return exit_code_of(kFiles, start_sibling(io, kFiles, {.words = std::move(words)}));
 }
 
 std::string files_program_output(const Io& io, std::vector<std::string> words) {
@@ -78,11 +45,12 @@ std::string files_program_output(const Io& io, std::vector<std::string> words) {
   if (::pipe(ends.data()) != 0) throw Failure(Exit::refused, fmt::format("no pipe: {}", std::strerror(errno)));
   // A file takes what it says, however much that is, while its output is read.
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> said(std::tmpfile(), std::fclose);
-  const pid_t child = start(io, std::move(words), ends[1], said ? ::fileno(said.get()) : -1);
+  const pid_t child =
+      start_sibling(io, kFiles, {.words = std::move(words), .out = ends[1], .err = said ? ::fileno(said.get()) : -1});
   ::close(ends[1]);
   const std::string text = all_of(ends[0]);
   ::close(ends[0]);
-  const int code = exit_code_of(child);
+  const int code = exit_code_of(kFiles, child);
   std::string messages;
   if (said) {
     std::rewind(said.get());

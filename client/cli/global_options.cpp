@@ -35,6 +35,11 @@ void declare_globals(CLI::App& app, Globals& globals) {
   option(app, "--wait", globals.wait, "At most so long for a server to answer hello (2s, and more on a busy machine)")
       ->group(connection);
   option(app, "--timeout", globals.timeout, "How long one answer may take")->group(connection);
+  // A line's own option counts before one that was given for all lines.
+  for (CLI::Option* one : app.get_options()) {
+    const bool is_common = one->get_group() == output || one->get_group() == connection;
+    if (is_common && one->get_items_expected_max() == 1) one->take_last();
+  }
 }
 
 void declare_verb(CLI::App& app, Command& command, Globals& globals) {

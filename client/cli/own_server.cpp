@@ -7,6 +7,8 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <filesystem>
+#include <system_error>
 #include <thread>
 
 #include <fmt/format.h>
@@ -16,9 +18,16 @@
 
 namespace collided::cli {
 
-OwnServer::OwnServer(Io& io, const ConnectOptions& where, const std::vector<std::string>& words) {
-  std::vector<std::string> all{sibling_program(io, "COLLIDED_SERVER", "collided"), "--log", "error"};
+OwnServer::Folder::~Folder() {
+  std::error_code ignored;
+  std::filesystem::remove_all(path, ignored);
+}
+
+OwnServer::OwnServer(Io& io, const ConnectOptions& where, const std::vector<std::string>& words)
+    : folder_{(std::filesystem::temp_directory_path() / fmt::format("collide-{}", ::getpid())).string()} {
+  std::vector<std::string> all{path_of(io, {.name = "collided", .variable = "COLLIDED_SERVER"}), "--log", "error"};
   all.insert(all.end(), {"--domain", std::to_string(where.domain), "--namespace", where.name_space});
+  all.insert(all.end(), {"--state-dir", folder_.path});
   all.insert(all.end(), words.begin(), words.end());
   std::vector<char*> pointers;
   for (std::string& word : all) pointers.push_back(word.data());

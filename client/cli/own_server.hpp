@@ -10,7 +10,8 @@
 
 namespace collided::cli {
 
-/// A server that this program starts, and that ends with it. One thread.
+/// A server that this program starts, and that ends with it. Its state folder is its own, so that it takes over nobody's
+/// world and leaves nothing behind. One thread.
 class OwnServer {
  public:
   /// Starts the program collided at this domain and namespace. Throws Failure where that cannot be.
@@ -30,6 +31,13 @@ class OwnServer {
   int exit_code() const;
 
  private:
+  /// A folder that goes with its owner.
+  struct Folder {
+    std::string path;
+    ~Folder();
+  };
+
+  Folder folder_;
   pid_t id_ = 0;
   int status_ = 0;
   bool ended_ = false;

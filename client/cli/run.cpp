@@ -13,10 +13,10 @@
 #include "client/cli/global_options.hpp"
 #include "client/cli/input/line_reader.hpp"
 #include "client/cli/input/option.hpp"
-#include "client/cli/input/prompt.hpp"
 #include "client/cli/input/tokens.hpp"
 #include "client/cli/output/help.hpp"
 #include "client/cli/output/suggest.hpp"
+#include "client/cli/sibling_program.hpp"
 
 namespace collided::cli {
 namespace {
@@ -95,8 +95,9 @@ void parse_globals(std::vector<std::string> tokens, Globals& globals) {
 }
 
 Exit run_verb(const Verb& verb, std::vector<std::string> tokens, Session& session, Globals& globals) {
-  const std::unique_ptr<Command> command = verb.make();
   try {
+    const std::unique_ptr<Command> command = make_command(verb, session.own);
+    if (command == nullptr) return run_wing(session, verb.name);
     if (verb.passes_words_on) {
       for (std::string& token : tokens) token = unmarked(std::move(token));
       static_cast<PassOn&>(*command).take_words(std::move(tokens));
@@ -113,7 +114,7 @@ Exit run_verb(const Verb& verb, std::vector<std::string> tokens, Session& sessio
   } catch (const Failure& failure) {
     session.io.out.flush();
     session.warn_of_strangers();
-    if (failure.code != Exit::bad_use) throw;
+    if (failure.code != Exit::bad_use || failure.is_printed) throw;
     // A message of the library's may begin with the name of its call, which is that of the verb.
     const std::string prefix = fmt::format("{}: ", verb.name);
     const std::string said = failure.what();
@@ -161,21 +162,27 @@ LineSource piped_lines(int in) {
 }
 
 /// Runs the verb of one line. False where it failed, which has then been reported.
-bool run_line(const std::string& line, const LineSource& lines, Session& session, const Globals& globals) {
+///
+/// given  the words that were before all lines
+bool run_line(const std::string& line, const LineSource& lines, const std::vector<std::string>& given, Session& session,
+              const Globals& globals) {
   Globals line_globals = globals;
+  session.where = lines.number ? fmt::format("line {}: ", lines.number()) : std::string();
   try {
     std::vector<std::string> words = split_words(line);
     // Lines that hints and help print begin so.
     if (!words.empty() && words.front() == "collide") words.erase(words.begin());
     if (words.empty()) return true;
     const std::vector<std::string> tokens = prepare_tokens(words);
+    session.words = given;
+    session.words.insert(session.words.end(), words.begin(), words.end());
     if (is_lines_verb(tokens.front())) throw bad_use(fmt::format("'{}' has no meaning here", tokens.front()));
     run_tokens(tokens, session, line_globals);
     return true;
   } catch (const Failure& failure) {
     if (failure.code == Exit::no_server && lines.number) throw;
-    const std::string where = lines.number ? fmt::format("line {}: ", lines.number()) : std::string();
-    print_failure(session.io, line_globals, Failure(failure.code, where + failure.what(), failure.hint));
+    if (!failure.is_printed)
+      print_failure(session.io, line_globals, Failure(failure.code, session.where + failure.what(), failure.hint));
     return false;
   }
 }
@@ -183,15 +190,17 @@ bool run_line(const std::string& line, const LineSource& lines, Session& session
 /// `collide -` and `collide shell`: runs a verb for each line of standard input, over one connection. A line that fails is
 /// reported and the next one runs.
 Exit run_lines(std::vector<std::string> tokens, Session& session, Globals& globals) {
-  parse_globals(std::move(tokens), globals);
+  parse_globals(tokens, globals);
   const bool is_typed = ::isatty(session.io.in) == 1;
-  const LineSource lines = is_typed ? prompted_lines(session.io) : piped_lines(session.io.in);
+  if (is_typed && session.own.prompted_lines == nullptr) return run_wing(session, "shell");
+  const LineSource lines = is_typed ? session.own.prompted_lines(session.io) : piped_lines(session.io.in);
+  for (std::string& token : tokens) token = unmarked(std::move(token));
   session.has_many_verbs = true;
   session.io.in = -1;  // the lines come from it, so the verbs must not read it
   std::string line;
   std::size_t failed = 0;
   while (!stop_requested && lines.next(line)) {
-    if (!run_line(line, lines, session, globals)) ++failed;
+    if (!run_line(line, lines, tokens, session, globals)) ++failed;
     session.io.out.flush();
     // At a prompt, Ctrl-C ends what runs, not the shell.
     if (is_typed) stop_requested = false;
@@ -221,14 +230,25 @@ Exit run_tokens(std::vector<std::string> tokens, Session& session, Globals& glob
 
 }  // namespace
 
-int run(const std::vector<std::string>& arguments, Io& io) {
-  Session session(io);
+std::unique_ptr<Command> make_command(const Verb& verb, const OwnParts& own) {
+  if (verb.make != nullptr) return verb.make();
+  const auto found = std::ranges::find(own.verbs, verb.name, &OwnParts::OwnVerb::name);
+  return found == own.verbs.end() ? nullptr : found->make();
+}
+
+int run(const std::vector<std::string>& arguments, Io& io, const OwnParts& own) {
+  Session session(io, own);
+  session.words = arguments;
+  session.where = io.env(kWhereVariable);
   Globals globals;
   Exit code = Exit::yes;
   try {
     code = run_tokens(prepare_tokens(arguments), session, globals);
   } catch (const Failure& failure) {
-    print_failure(io, globals, failure);
+    const std::string where = failure.code == Exit::no_server ? std::string() : session.where;
+    Failure placed(failure.code, where + failure.what(), failure.hint);
+    placed.is_printed = failure.is_printed;
+    print_failure(io, globals, placed);
     code = failure.code;
   } catch (const std::exception& error) {
     // This program throws nothing else itself: it is out of memory, or has a bug.

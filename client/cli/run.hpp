@@ -3,11 +3,16 @@
 #include <string>
 #include <vector>
 
-#include "client/cli/io.hpp"
+#include "client/cli/command.hpp"
 
 namespace collided::cli {
 
 /// Runs the program `collide` with these arguments, without its own name. Returns its exit code. Never throws.
-int run(const std::vector<std::string>& arguments, Io& io);
+///
+/// own  what this program has beside the verbs that all have
+int run(const std::vector<std::string>& arguments, Io& io, const OwnParts& own = {});
+
+/// The same as a whole process: on its standard streams, with its signals handled.
+int run_process(int argument_count, char** arguments, const OwnParts& own = {});
 
 }  // namespace collided::cli

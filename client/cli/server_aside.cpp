@@ -2,9 +2,6 @@
 
 #include <unistd.h>
 
-#include <filesystem>
-#include <system_error>
-
 #include <fmt/format.h>
 
 namespace collided::cli {
@@ -17,25 +14,13 @@ Globals globals_aside(const Io& io, const Globals& globals, std::string_view pur
   return its_own;
 }
 
-std::vector<std::string> with_folder(const std::string& folder, const std::vector<std::string>& words) {
-  std::vector<std::string> all{"--state-dir", folder};
-  all.insert(all.end(), words.begin(), words.end());
-  return all;
-}
-
 }  // namespace
-
-ServerAside::Folder::~Folder() {
-  std::error_code ignored;
-  std::filesystem::remove_all(path, ignored);
-}
 
 ServerAside::ServerAside(Session& outer, const Globals& globals, std::string_view purpose,
                          const std::vector<std::string>& words)
     : globals_(globals_aside(outer.io, globals, purpose)),
-      folder_{(std::filesystem::temp_directory_path() / fmt::format("collide-{}-{}", purpose, ::getpid())).string()},
-      server_(outer.io, connect_options(outer.io, globals_), with_folder(folder_.path, words)),
-      session_(outer.io) {
+      server_(outer.io, connect_options(outer.io, globals_), words),
+      session_(outer.io, outer.own) {
   server_.meet(session_, globals_);
 }
 

@@ -8,13 +8,12 @@
 
 namespace collided::cli {
 
-/// A server of this program's own, in a namespace and a state folder of its own, so that it touches nobody else's world
-/// and leaves nothing behind. One thread.
+/// A server of this program's own in a namespace of its own, so that it touches nobody else's world. One thread.
 class ServerAside {
  public:
   /// Starts it and waits until it answers. Throws Failure where that cannot be.
   ///
-  /// purpose  a word that begins its namespace and its folder's name
+  /// purpose  a word that begins its namespace
   /// words    further arguments of the program collided
   ServerAside(Session& outer, const Globals& globals, std::string_view purpose, const std::vector<std::string>& words);
 
@@ -23,14 +22,7 @@ class ServerAside {
   const Globals& globals() const { return globals_; }
 
  private:
-  /// A folder that goes with its owner.
-  struct Folder {
-    std::string path;
-    ~Folder();
-  };
-
   Globals globals_;
-  Folder folder_;
   OwnServer server_;
   Session session_;
 };

@@ -115,6 +115,7 @@ Failure as_failure(const Error& error) {
 }
 
 void print_failure(Io& io, const Globals& globals, const Failure& failure) {
+  if (failure.is_printed) return;
   const bool color = color_wanted(io, globals, io.err_is_terminal);
   const char* word = failure.code == Exit::interrupted ? "interrupted" : "error";
   io.err << (color ? fmt::format("\x1b[31m{}:\x1b[0m ", word) : fmt::format("{}: ", word))

@@ -38,11 +38,13 @@ struct Globals {
   std::optional<std::chrono::nanoseconds> timeout;
 };
 
+struct OwnParts;
+
 /// The process's connection to the server, made when a verb first needs it. The verbs of `collide -` share it. One
 /// thread.
 class Session {
  public:
-  explicit Session(Io& session_io) : io(session_io) {}
+  Session(Io& session_io, const OwnParts& program) : io(session_io), own(program) {}
 
   /// The client, connected on first use. Throws Failure (no_server) where no server answers.
   Client& client(const Globals& globals);
@@ -53,8 +55,13 @@ class Session {
 
   /// Whether the verbs of many lines share it, so that the connection outlives a verb.
   bool has_many_verbs = false;
+  /// "line 3: " before the messages of that line.
+  std::string where;
+  /// The words of the command line or, of many lines, the options given before them and the words of the one that runs.
+  std::vector<std::string> words;
 
   Io& io;
+  const OwnParts& own;
 
  private:
   std::optional<Client> client_;

@@ -31,9 +31,7 @@ typedef struct collided_client collided_client;
 typedef struct collided_answers collided_answers;
 typedef struct collided_watch collided_watch;
 typedef struct collided_publisher collided_publisher;
-typedef struct collided_fence_watch collided_fence_watch;
-typedef struct collided_margin_watch collided_margin_watch;
-typedef struct collided_nearest_watch collided_nearest_watch;
+typedef struct collided_standing_watch collided_standing_watch;
 
 /* COLLIDED_NOTHING is no error: there was no event in that time. The others are those of collided/result.hpp. */
 typedef enum collided_code {
@@ -293,7 +291,7 @@ typedef struct collided_object {
 } collided_object;
 COLLIDED_API void collided_object_defaults(collided_object* object, uint32_t size);
 
-/* Adds an object that stays until it is removed or the server stops; after a crash it comes back. *object_id may be null. */
+/* Adds an object that stays until it is removed, and outlives the server. *object_id may be null. */
 COLLIDED_API int collided_add(collided_client* client, const collided_object* object, uint64_t* object_id,
                               collided_error* error);
 /* orientation  null: as the world's axes */
@@ -340,105 +338,78 @@ typedef void (*collided_event_callback)(const collided_event* event, void* user)
 COLLIDED_API int collided_watch_start(collided_client* client, const collided_watch_options* options,
                                       collided_event_callback callback, void* user, collided_watch** watch,
                                       collided_error* error);
-/* COLLIDED_NOTHING where no event comes within wait_ns. */
+/* COLLIDED_NOTHING if no event comes within wait_ns. */
 COLLIDED_API int collided_watch_next(collided_watch* watch, int64_t wait_ns, collided_event* event,
                                      collided_error* error);
-/* Events dropped since collided_watch_next was not called in time. */
+/* Events dropped because collided_watch_next was not called in time. */
 COLLIDED_API uint64_t collided_watch_lost(const collided_watch* watch);
 /* 1: the watch knows every contact that holds; 0: not yet, or something missed is being made up for. */
 COLLIDED_API int32_t collided_watch_in_step(const collided_watch* watch);
 /* Waits for a callback under way. */
 COLLIDED_API void collided_watch_close(collided_watch* watch);
 
-/* ---- Fences, margins and the nearest ---- */
+/* ---- Standing questions ---- */
 
-/* A region; see collided::Fence. Zero, null or an empty text: the default there. */
-typedef struct collided_fence {
+/* A standing question; see collided::Standing. Zero, null or an empty text is the default there. Members that belong to
+ * other forms are not read. */
+typedef struct collided_standing {
   uint32_t size;
-  uint32_t left_out_layers; /* bits: objects with no other layers are not looked at */
+  collided_standing_form form; /* COLLIDED_FORM_... */
   const char* name;
+  const char* only; /* a region: null or empty for all objects that move */
+  const char* skip;
+  uint32_t left_out_layers; /* bits: objects with no other layers are not looked at */
+  int32_t keep;
+  /* COLLIDED_FORM_REGION: see collided::Region. */
   const collided_part* parts;
   size_t part_count;
-  const char* to;
-  const char* only;
-  const char* skip;
-  int32_t keep;
-  int32_t tells; /* COLLIDED_TELLS_... bits; 0: all */
-} collided_fence;
-COLLIDED_API int collided_fence_add(collided_client* client, const collided_fence* fence, collided_error* error);
-/* Removes by name or glob. *removed may be null. */
-COLLIDED_API int collided_fence_remove(collided_client* client, const char* name, uint64_t* removed,
-                                       collided_error* error);
-
-/* Distance bands; see collided::Margin. */
-typedef struct collided_margin {
-  uint32_t size;
-  uint32_t left_out_layers; /* as of a fence */
-  const char* name;
+  int32_t detect; /* COLLIDED_DETECT_... bits; 0: all */
+  int32_t reserved;
+  /* COLLIDED_FORM_BANDS: see collided::Bands. */
   const char* around;
-  const char* only;
-  const char* skip;
   const double* bands_m; /* band_count numbers, the widest first */
   size_t band_count;
-  double hysteresis_m;
   int64_t dwell_ns;
-  int32_t keep;
-} collided_margin;
-COLLIDED_API int collided_margin_add(collided_client* client, const collided_margin* margin, collided_error* error);
-COLLIDED_API int collided_margin_remove(collided_client* client, const char* name, uint64_t* removed,
-                                        collided_error* error);
-
-/* A question that stays for the nearest object; see collided::NearestQuestion. */
-typedef struct collided_nearest {
-  uint32_t size;
-  uint32_t left_out_layers; /* as of a fence */
-  const char* name;
-  const char* only;
-  const char* to; /* null or empty: the point counts */
-  const char* skip;
-  double point[3];
+  /* COLLIDED_FORM_NEAREST: see collided::Nearest. */
+  double point[3]; /* if `to` is null or empty */
   double within_m;
-  double hysteresis_m;
-  int32_t keep;
-} collided_nearest;
-COLLIDED_API int collided_nearest_add(collided_client* client, const collided_nearest* nearest, collided_error* error);
-COLLIDED_API int collided_nearest_remove(collided_client* client, const char* name, uint64_t* removed,
-                                         collided_error* error);
+  /* COLLIDED_FORM_REGION: the object that it moves along with. COLLIDED_FORM_NEAREST: the object that the distances are
+   * to. */
+  const char* to;
+  double hysteresis_m; /* COLLIDED_FORM_BANDS and COLLIDED_FORM_NEAREST */
+} collided_standing;
+/* parts  of loaded scenes that a glob of COLLIDED_FORM_BANDS matches, which have no bands; may be null */
+COLLIDED_API int collided_standing_add(collided_client* client, const collided_standing* standing, uint64_t* parts,
+                                       collided_error* error);
+
+/* In place of a form below: of any form. */
+enum { COLLIDED_FORM_ANY = -1 };
+/* Removes by name or glob, of one form or of any. *removed may be null. */
+COLLIDED_API int collided_standing_remove(collided_client* client, const char* name, collided_standing_form form,
+                                          uint64_t* removed, collided_error* error);
 
 /* only, skip  globs, may be null
- * returns     in *watch, to be given to the function named close */
-COLLIDED_API int collided_fence_watch_start(collided_client* client, const char* only, const char* skip,
-                                            collided_fence_watch** watch, collided_error* error);
-/* COLLIDED_NOTHING where no event comes within wait_ns. */
-COLLIDED_API int collided_fence_watch_next(collided_fence_watch* watch, int64_t wait_ns, collided_fence_event* event,
-                                           collided_error* error);
-COLLIDED_API uint64_t collided_fence_watch_lost(const collided_fence_watch* watch);
-COLLIDED_API int32_t collided_fence_watch_in_step(const collided_fence_watch* watch);
-COLLIDED_API void collided_fence_watch_close(collided_fence_watch* watch);
-
-COLLIDED_API int collided_margin_watch_start(collided_client* client, const char* only, const char* skip,
-                                             collided_margin_watch** watch, collided_error* error);
-COLLIDED_API int collided_margin_watch_next(collided_margin_watch* watch, int64_t wait_ns, collided_margin_event* event,
-                                            collided_error* error);
-COLLIDED_API uint64_t collided_margin_watch_lost(const collided_margin_watch* watch);
-COLLIDED_API int32_t collided_margin_watch_in_step(const collided_margin_watch* watch);
-COLLIDED_API void collided_margin_watch_close(collided_margin_watch* watch);
-
-COLLIDED_API int collided_nearest_watch_start(collided_client* client, const char* only, const char* skip,
-                                              collided_nearest_watch** watch, collided_error* error);
-COLLIDED_API int collided_nearest_watch_next(collided_nearest_watch* watch, int64_t wait_ns,
-                                             collided_nearest_event* event, collided_error* error);
-COLLIDED_API uint64_t collided_nearest_watch_lost(const collided_nearest_watch* watch);
-COLLIDED_API int32_t collided_nearest_watch_in_step(const collided_nearest_watch* watch);
-COLLIDED_API void collided_nearest_watch_close(collided_nearest_watch* watch);
+ * form        one form, or COLLIDED_FORM_ANY
+ * returns     in *watch, to be given to collided_standing_watch_close */
+COLLIDED_API int collided_standing_watch_start(collided_client* client, const char* only, const char* skip,
+                                               collided_standing_form form, collided_standing_watch** watch,
+                                               collided_error* error);
+/* COLLIDED_NOTHING if no event comes within wait_ns. */
+COLLIDED_API int collided_standing_watch_next(collided_standing_watch* watch, int64_t wait_ns,
+                                              collided_standing_event* event, collided_error* error);
+/* Events dropped because collided_standing_watch_next was not called in time. */
+COLLIDED_API uint64_t collided_standing_watch_lost(const collided_standing_watch* watch);
+/* 1: the watch has reported all that holds; 0: not yet, or something missed is being made up for. */
+COLLIDED_API int32_t collided_standing_watch_in_step(const collided_standing_watch* watch);
+COLLIDED_API void collided_standing_watch_close(collided_standing_watch* watch);
 
 /* ---- Recordings ---- */
 
-/* What fences, margins and questions for the nearest told in a recording (collide record); no server is needed. See
- * collided::recorded_fence_events. */
-typedef struct collided_recorded_fences collided_recorded_fences;
+/* What standing questions reported in a recording (collide record); no server is needed. See
+ * collided::recorded_standing_events. */
+typedef struct collided_recorded_standing collided_recorded_standing;
 
-/* what a time in a recording counts from; NONE: there is no such limit */
+/* What a time in a recording counts from; NONE: there is no such limit. */
 enum { COLLIDED_SINCE_NONE = 0, COLLIDED_SINCE_1970 = 1, COLLIDED_SINCE_BEGIN = 2, COLLIDED_SINCE_END = 3 };
 
 typedef struct collided_recorded_options {
@@ -455,32 +426,26 @@ typedef struct collided_recorded_options {
 typedef struct collided_recorded_about {
   uint32_t size;
   uint32_t reserved;
-  size_t fences; /* events of fences, and of the others */
-  size_t margins;
-  size_t nearest;
+  size_t events;
   size_t warnings;
-  uint64_t lost;    /* events of all three that are known to be missing */
+  uint64_t lost;    /* events that are known to be missing */
   int64_t begin_ns; /* of the recording, since 1970 */
   int64_t end_ns;
 } collided_recorded_about;
 
 /* options  may be null
- * returns  in *recorded, to be given to collided_free_recorded_fences; null after an error */
-COLLIDED_API int collided_read_recorded_fences(const char* path, const collided_recorded_options* options,
-                                               collided_recorded_fences** recorded, collided_error* error);
-COLLIDED_API void collided_free_recorded_fences(collided_recorded_fences* recorded);
-COLLIDED_API void collided_about_recorded_fences(const collided_recorded_fences* recorded,
-                                                 collided_recorded_about* about);
+ * returns  in *recorded, to be given to collided_free_recorded_standing; null after an error */
+COLLIDED_API int collided_read_recorded_standing(const char* path, const collided_recorded_options* options,
+                                                 collided_recorded_standing** recorded, collided_error* error);
+COLLIDED_API void collided_free_recorded_standing(collided_recorded_standing* recorded);
+COLLIDED_API void collided_about_recorded_standing(const collided_recorded_standing* recorded,
+                                                   collided_recorded_about* about);
 /* An event by its place, from 0; its texts are valid until `recorded` is freed. COLLIDED_NOTHING for a number that is too
  * large. */
-COLLIDED_API int collided_recorded_fence_event(const collided_recorded_fences* recorded, size_t number,
-                                               collided_fence_event* event);
-COLLIDED_API int collided_recorded_margin_event(const collided_recorded_fences* recorded, size_t number,
-                                                collided_margin_event* event);
-COLLIDED_API int collided_recorded_nearest_event(const collided_recorded_fences* recorded, size_t number,
-                                                 collided_nearest_event* event);
+COLLIDED_API int collided_recorded_standing_event(const collided_recorded_standing* recorded, size_t number,
+                                                  collided_standing_event* event);
 /* A sentence about damage of the file, or what is missing; null for a number that is too large. */
-COLLIDED_API const char* collided_recorded_warning(const collided_recorded_fences* recorded, size_t number);
+COLLIDED_API const char* collided_recorded_warning(const collided_recorded_standing* recorded, size_t number);
 
 /* ---- Publishing ---- */
 

@@ -18,9 +18,8 @@ void add(std::set<std::string>& topics, std::initializer_list<const TopicQos*> r
 
 void add_server(TopicRights& rights) {
   add(rights.read, {&kQueryTopic, &kObjectTopic, &kPoseTopic, &kStatusTopic, &kMemberTopic});
-  add(rights.write,
-      {&kMemberTopic, &kChangeTopic, &kReplyTopic, &kStatusTopic, &kStepTopic, &kEventTopic, &kContactTopic,
-       &kPersistedTopic, &kProbeTopic, &kFenceEventTopic, &kFenceStateTopic, &kFenceStatusTopic});
+  add(rights.write, {&kMemberTopic, &kChangeTopic, &kReplyTopic, &kStatusTopic, &kStepTopic, &kEventTopic,
+                     &kContactTopic, &kPersistedTopic, &kProbeTopic, &kStandingEventTopic, &kStandingStateTopic});
 }
 
 void add_client(TopicRights& rights) {
@@ -29,8 +28,8 @@ void add_client(TopicRights& rights) {
 }
 
 void add_watching(TopicRights& rights) {
-  add(rights.read, {&kStepTopic, &kEventTopic, &kContactTopic, &kPersistedTopic, &kProbeTopic, &kFenceEventTopic,
-                    &kFenceStateTopic, &kFenceStatusTopic});
+  add(rights.read, {&kStepTopic, &kEventTopic, &kContactTopic, &kPersistedTopic, &kProbeTopic, &kStandingEventTopic,
+                    &kStandingStateTopic});
 }
 
 /// With what a recording holds.

@@ -8,14 +8,8 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/workers.hpp"
 #include "client/library/publishing/publisher.hpp"
-#include "client/library/watching/fence_news.hpp"
-#include "client/library/watching/fences.hpp"
-#include "client/library/watching/interpreted_watch.hpp"
-#include "client/library/watching/margin_news.hpp"
-#include "client/library/watching/margins.hpp"
-#include "client/library/watching/nearest.hpp"
-#include "client/library/watching/nearest_news.hpp"
 #include "client/library/watching/probes.hpp"
+#include "client/library/watching/standing.hpp"
 #include "client/library/watching/watch.hpp"
 #include "collided/client.hpp"
 
@@ -115,69 +109,20 @@ Result<std::vector<ProbeReading>> Client::probes(const std::string& name_glob) {
   return client::read_probes(*state_->connection, name_glob);
 }
 
-Result<void> Client::add_fence(const Fence& fence) { return client::add_fence(*state_->connection, fence); }
-Result<void> Client::add_fences(std::span<const Fence> fences) {
-  return client::add_fences(*state_->connection, fences);
+Result<AddedStanding> Client::add(const Standing& standing) {
+  return client::add_standing(*state_->connection, standing);
 }
-Result<std::size_t> Client::remove_fences(const std::string& name) {
-  return client::remove_fences(*state_->connection, name);
+Result<void> Client::add(std::span<const Standing> standing) {
+  return client::add_standing(*state_->connection, standing);
 }
-Result<std::vector<ListedFence>> Client::fences(const std::string& name_glob) {
-  return client::list_fences(*state_->connection, name_glob);
+Result<std::size_t> Client::remove_standing(const std::string& name, std::optional<StandingForm> form) {
+  return client::remove_standing(*state_->connection, name, form);
 }
-
-Result<Watch> Client::watch_standing(const WatchOptions& options) {
-  Result<std::unique_ptr<Watch::State>> watch = Watch::State::start(state_->connection, options, {}, WatchOf::fences);
-  if (!watch) return watch.error();
-  return Watch(std::move(*watch));
+Result<std::vector<ListedStanding>> Client::standing(const std::string& name_glob, std::optional<StandingForm> form) {
+  return client::list_standing(*state_->connection, name_glob, form);
 }
-
-Result<FenceWatch> Client::watch_fences(const FenceWatchOptions& options) {
-  Result<Watch> watch = watch_standing({.only = options.only, .skip = options.skip, .capacity = options.capacity});
-  if (!watch) return watch.error();
-  return FenceWatch(std::make_unique<client::InterpretedWatch<FenceEvent>>(
-      std::move(*watch), [news = client::FenceNews()](const Event& event, auto& waiting) mutable {
-        for (FenceEvent& told : news.take(event)) waiting.push_back(std::move(told));
-      }));
-}
-
-Result<AddedMargin> Client::add_margin(const Margin& margin) { return client::add_margin(*state_->connection, margin); }
-Result<std::size_t> Client::remove_margins(const std::string& name) {
-  return client::remove_margins(*state_->connection, name);
-}
-Result<std::vector<ListedMargin>> Client::margins(const std::string& name_glob) {
-  return client::list_margins(*state_->connection, name_glob);
-}
-
-Result<MarginWatch> Client::watch_margins(const MarginWatchOptions& options) {
-  // Names are matched with the parts of a band's name, so not by the watch.
-  Result<Watch> watch = watch_standing({.capacity = options.capacity});
-  if (!watch) return watch.error();
-  return MarginWatch(std::make_unique<client::InterpretedWatch<MarginEvent>>(
-      std::move(*watch), [options](const Event& event, auto& waiting) {
-        if (std::optional<MarginEvent> told = client::margin_news(event, options)) waiting.push_back(std::move(*told));
-      }));
-}
-
-Result<void> Client::add_nearest(const NearestQuestion& nearest) {
-  return client::add_nearest(*state_->connection, nearest);
-}
-Result<std::size_t> Client::remove_nearest(const std::string& name) {
-  return client::remove_nearest(*state_->connection, name);
-}
-Result<std::vector<ListedNearest>> Client::nearest(const std::string& name_glob) {
-  return client::list_nearest(*state_->connection, name_glob);
-}
-
-Result<NearestWatch> Client::watch_nearest(const NearestWatchOptions& options) {
-  // Who was nearest before is matched, too, so not by the watch.
-  Result<Watch> watch = watch_standing({.capacity = options.capacity});
-  if (!watch) return watch.error();
-  return NearestWatch(std::make_unique<client::InterpretedWatch<NearestEvent>>(
-      std::move(*watch), [options, news = client::NearestNews()](const Event& event, auto& waiting) mutable {
-        std::optional<NearestEvent> told = news.take(event);
-        if (told && client::is_wanted(*told, options)) waiting.push_back(std::move(*told));
-      }));
+Result<StandingWatch> Client::watch_standing(const StandingWatchOptions& options) {
+  return client::watch_standing(state_->connection, options);
 }
 
 Result<ProbeWatch> Client::watch_probes(const WatchOptions& options) {

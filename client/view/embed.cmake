@@ -3,7 +3,7 @@
 set(delimiter "collided_page")
 file(READ ${CONTRACT} contract)
 set(script "(() => {\n\"use strict\";\n${contract}\n")
-foreach(part math text camera shaders_seen shaders_round shaders_ink renderer solids levels world contacts fences labels picture source history timeline cdr
+foreach(part math text camera shaders_seen shaders_round shaders_ink renderer solids levels world contacts standing labels picture source history timeline cdr
     hull voxel_boxes flat_shape recording opening things coloring selected panels events matrix answers tools asking others controls main)
   file(READ ${PAGE}/${part}.js text)
   string(APPEND script "${text}\n")

@@ -24,7 +24,7 @@ Follower::Follower(Client& client, Watch watch, Observer& observer, FollowOption
       watch_(std::move(watch)),
       observer_(observer),
       options_(std::move(options)),
-      fences_(client),
+      standing_(client),
       heard_(Clock::now()) {
   looking_ = std::thread([this] { look(); });
   listening_ = std::thread([this] { listen(); });
@@ -41,7 +41,7 @@ void Follower::look() {
   while (!stopping_.load()) {
     if (options_.is_watched()) {
       look_at_poses();
-      if (Clock::now() >= next_fences_) look_at_fences();
+      if (Clock::now() >= next_standing_) look_at_standing();
     }
     if (Clock::now() >= next_status_) look_at_status();
     // After a late frame the next ones still come one period apart.
@@ -76,9 +76,9 @@ void Follower::look_at_objects(const Poses& poses) {
   observer_.objects(shown_);
 }
 
-void Follower::look_at_fences() {
-  next_fences_ = Clock::now() + options_.fences;
-  if (const auto others = fences_.look()) observer_.fences(*others);
+void Follower::look_at_standing() {
+  next_standing_ = Clock::now() + options_.standing;
+  if (const auto others = standing_.look()) observer_.standing(*others);
 }
 
 void Follower::look_at_status() {

@@ -10,9 +10,9 @@
 #include <thread>
 #include <vector>
 
-#include "client/draw/drawing/fence_outlines.hpp"
-#include "client/view/fence_follower.hpp"
+#include "client/draw/drawing/standing_outlines.hpp"
 #include "client/view/figures.hpp"
+#include "client/view/standing_follower.hpp"
 #include "collided/client.hpp"
 
 namespace collided::view {
@@ -27,10 +27,10 @@ class Observer {
   virtual void poses(const Poses& poses) = 0;                                  // some objects have moved
   /// recent  what the server did since the last status
   virtual void status(const ServerStatus& status, const std::optional<Figures>& recent) = 0;
-  /// The same time's figures since the server's start, for who wants them; nothing where it did not say.
+  /// The figures since the server's start, at the same time; nothing if the server did not send them.
   virtual void totals(const ServerStatus&, const std::optional<Figures>&) {}
-  /// Fences and bands are others, or others are in them; or what is nearest by a question, or the line to it, is.
-  virtual void fences(std::span<const draw::FenceOutline>) {}
+  /// Standing questions were added or removed, hold other objects, or have another line to what is nearest.
+  virtual void standing(std::span<const draw::StandingOutline>) {}
   virtual void silent(double seconds) = 0;  // no answer for this long
 
   /// Another thread calls this, as soon as events come.
@@ -59,7 +59,7 @@ class LastHeard {
 struct FollowOptions {
   std::chrono::milliseconds frame{33};
   std::chrono::milliseconds status{500};
-  std::chrono::milliseconds fences{200};
+  std::chrono::milliseconds standing{200};
   std::function<bool()> is_watched;  // poses are fetched while it returns true; any thread
 };
 
@@ -79,7 +79,7 @@ class Follower {
   void look_at_poses();
   void look_at_objects(const Poses& poses);
   void look_at_status();
-  void look_at_fences();
+  void look_at_standing();
   void listen();
 
   Client& client_;
@@ -94,8 +94,8 @@ class Follower {
   std::uint64_t reported_epoch_ = 0;
   Clock::time_point next_objects_;
   Clock::time_point next_status_;
-  Clock::time_point next_fences_;
-  FenceFollower fences_;
+  Clock::time_point next_standing_;
+  StandingFollower standing_;
   LastHeard heard_;
   std::optional<Figures> figures_;
 

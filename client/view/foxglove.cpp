@@ -59,7 +59,7 @@ void Foxglove::opened(Connection client) {
   add(kTransforms, "/tf", kFrameTransformsSchema);
   add(kContacts, "/contacts", kSceneUpdateSchema);
   add(kEvents, "/events", kEventSchema);
-  add(kFences, "/fences", kSceneUpdateSchema);
+  add(kStanding, "/fences", kSceneUpdateSchema);
   {
     const std::lock_guard lock(mutex_);
     clients_[client];
@@ -87,7 +87,7 @@ std::vector<Foxglove::Outgoing> Foxglove::subscribe(Connection from, std::string
   const json message = json::parse(text, nullptr, false);
   const auto op = message.is_object() ? message.find("op") : message.end();
   if (!message.is_object() || op == message.end()) {
-    warn("this is no message of the Foxglove WebSocket protocol");
+    warn("this is not a message of the Foxglove WebSocket protocol");
     return answers;
   }
   const std::lock_guard lock(mutex_);
@@ -115,7 +115,7 @@ std::vector<Foxglove::Outgoing> Foxglove::subscribe(Connection from, std::string
     }
     const Subscription& subscription = subscriptions.emplace_back(
         Subscription{*id, static_cast<Channel>(*channel), free_lane(subscriptions, static_cast<Channel>(*channel))});
-    const auto& newest = *channel == kScene ? scene_ : *channel == kFences ? fences_ : nullptr;
+    const auto& newest = *channel == kScene ? scene_ : *channel == kStanding ? standing_ : nullptr;
     if (newest) answers.push_back({from, {make_bytes(data(*id, scene_time_ns_, *newest)), false, subscription.lane}});
   }
   return answers;
@@ -191,16 +191,16 @@ void Foxglove::poses(const Poses& poses) {
   publish(kTransforms, now_ns, frame_transforms(poses, names));
 }
 
-void Foxglove::fences(std::span<const draw::FenceOutline> fences) {
+void Foxglove::standing(std::span<const draw::StandingOutline> outlines) {
   std::shared_ptr<const std::string> update;
   std::int64_t time_ns = 0;
   {
     const std::lock_guard lock(mutex_);
     time_ns = scene_time_ns_;
-    update = fences_ =
-        std::make_shared<const std::string>(fence_update(fences, still_, std::chrono::nanoseconds(time_ns)));
+    update = standing_ =
+        std::make_shared<const std::string>(standing_update(outlines, still_, std::chrono::nanoseconds(time_ns)));
   }
-  publish(kFences, time_ns, *update);
+  publish(kStanding, time_ns, *update);
 }
 
 void Foxglove::events(std::span<const Event> events) {

@@ -37,12 +37,12 @@ class Foxglove : public Observer {
   void objects(const std::shared_ptr<const ShownObjects>& shown) override;
   void poses(const Poses& poses) override;
   void status(const ServerStatus&, const std::optional<Figures>&) override {}
-  void fences(std::span<const draw::FenceOutline> fences) override;
+  void standing(std::span<const draw::StandingOutline> outlines) override;
   void silent(double) override {}
   void events(std::span<const Event> events) override;
 
  private:
-  enum Channel : std::uint32_t { kScene = 1, kTransforms, kContacts, kEvents, kFences, kChannelEnd };
+  enum Channel : std::uint32_t { kScene = 1, kTransforms, kContacts, kEvents, kStanding, kChannelEnd };
   static constexpr std::size_t kMostSubscriptions = 64;
 
   struct Subscription {
@@ -69,7 +69,7 @@ class Foxglove : public Observer {
   std::map<std::uint64_t, std::string> frames_;  // names of moving objects by id
   std::map<std::string, Pose> still_;            // poses of the other objects, by name
   std::shared_ptr<const std::string> scene_;     // this and the next: for clients that subscribe later
-  std::shared_ptr<const std::string> fences_;
+  std::shared_ptr<const std::string> standing_;
   std::int64_t scene_time_ns_ = 0;
   std::int64_t transforms_time_ns_ = 0;
 };

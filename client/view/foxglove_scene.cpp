@@ -218,42 +218,43 @@ std::string contact_update(std::span<const Event> events) {
   return entities.empty() ? std::string() : text_of({{"deletions", json::array()}, {"entities", entities}});
 }
 
-std::string fence_update(std::span<const draw::FenceOutline> fences, const std::map<std::string, Pose>& still,
-                         std::chrono::nanoseconds world_time) {
+std::string standing_update(std::span<const draw::StandingOutline> outlines, const std::map<std::string, Pose>& still,
+                            std::chrono::nanoseconds world_time) {
   constexpr int kDeleteAll = 1;
   constexpr int kLineStrip = 0;
   json entities = json::array();
-  for (const draw::FenceOutline& fence : fences) {
-    const auto carrier = still.find(fence.to);
-    const bool is_in_world = fence.to.empty() || carrier != still.end();
+  for (const draw::StandingOutline& outline : outlines) {
+    const auto carrier = still.find(outline.carrier());
+    const bool is_in_world = outline.carrier().empty() || carrier != still.end();
     json lines = json::array();
     for (const std::vector<Vec3>& points :
-         draw::placed_lines(fence, carrier == still.end() ? Pose{} : carrier->second)) {
+         draw::placed_lines(outline, carrier == still.end() ? Pose{} : carrier->second)) {
       json line = json::array();
       for (const Vec3& point : points) line.push_back(vector(point));
       lines.push_back({{"type", kLineStrip},
                        {"pose", pose(Vec3::Zero(), Quat::Identity())},
-                       {"thickness", fence.is_entered() ? 3 : 1.5},
+                       {"thickness", outline.is_held() ? 3 : 1.5},
                        {"scale_invariant", true},
                        {"points", std::move(line)},
-                       {"color", fence.is_entered() ? kAccent : kMoving},
+                       {"color", outline.is_held() ? kAccent : kMoving},
                        {"colors", json::array()},
                        {"indices", json::array()}});
     }
     json texts = json::array();
-    if (fence.distance_m && !fence.lines.empty()) {
-      const Vec3 middle = 0.5 * (fence.lines.front().front() + fence.lines.front().back());
+    if (outline.distance_m && !outline.lines.empty()) {
+      const std::vector<Vec3> line = draw::placed_lines(outline, {}).front();
+      const Vec3 middle = 0.5 * (line.front() + line.back());
       texts.push_back({{"pose", pose(middle, Quat::Identity())},
                        {"billboard", true},
                        {"font_size", 14},
                        {"scale_invariant", true},
                        {"color", kAccent},
-                       {"text", fmt::format("{} {:.4g} m", fence.name, *fence.distance_m)}});
+                       {"text", fmt::format("{} {:.4g} m", outline.name, *outline.distance_m)}});
     }
-    std::string id = fence.name;
-    if (fence.is_band) id += " " + fence.to + " " + json(fence.within_m).dump();
+    std::string id = outline.name;
+    if (outline.form == StandingForm::bands) id += " " + outline.about + " " + json(outline.band_m).dump();
     entities.push_back({{"timestamp", time(world_time)},
-                        {"frame_id", is_in_world ? std::string(kWorld) : fence.to},
+                        {"frame_id", is_in_world ? std::string(kWorld) : outline.carrier()},
                         {"id", id},
                         {"lifetime", {{"sec", 0}, {"nsec", 0}}},
                         {"frame_locked", true},

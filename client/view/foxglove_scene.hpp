@@ -5,7 +5,7 @@
 #include <span>
 #include <string>
 
-#include "client/draw/drawing/fence_outlines.hpp"
+#include "client/draw/drawing/standing_outlines.hpp"
 #include "collided/client.hpp"
 
 namespace collided::view {
@@ -35,12 +35,12 @@ std::string frame_transforms(const Poses& poses, const std::map<std::uint64_t, s
 /// A SceneUpdate with an arrow along the normal of each contact that begins, shown for a second.
 std::string contact_update(std::span<const Event> events);
 
-/// A SceneUpdate that deletes all entities of its channel and then adds the lines of all fences and bands; of one that
-/// something is in, in another colour.
+/// A SceneUpdate that deletes all entities of its channel and then adds the lines of all outlines, in another colour if one
+/// holds something.
 ///
-/// still  poses of the objects that are no frames, for fences that stand on them
-std::string fence_update(std::span<const draw::FenceOutline> fences, const std::map<std::string, Pose>& still,
-                         std::chrono::nanoseconds world_time);
+/// still  poses of the objects that are not frames, for the outlines that they carry
+std::string standing_update(std::span<const draw::StandingOutline> outlines, const std::map<std::string, Pose>& still,
+                            std::chrono::nanoseconds world_time);
 
 /// An event as JSON.
 std::string event_json(const Event& event);

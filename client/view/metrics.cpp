@@ -95,11 +95,11 @@ void write_figures(Writer& to, const Figures& figures) {
   for (const StageTime& stage : figures.stages)
     to.line(static_cast<double>(stage.ns) / 1e9, "stage=" + label(stage.stage));
   to.one("pairs_in_doubt", "gauge", "Pairs neither known to touch nor to be apart.", figures.pairs.in_doubt);
-  to.one("fences", "gauge", "Fences and bands of margins.", figures.fences.count);
-  to.one("fences_entered", "gauge", "Of them, those that something is in.", figures.fences.entered);
-  to.one("fences_cut_short_total", "counter", "Searches for fences, bands and the nearest that ended at their limit.",
+  to.one("fences", "gauge", "Regions, bands about objects, and questions for the nearest.", figures.fences.count);
+  to.one("fences_entered", "gauge", "Of them, those that hold something.", figures.fences.entered);
+  to.one("fences_cut_short_total", "counter", "Searches of standing questions that ended at their limit.",
          figures.fences.cut_short);
-  to.one("fence_events_total", "counter", "Objects that came into a fence or went out.", figures.fences.events);
+  to.one("fence_events_total", "counter", "Events of standing questions.", figures.fences.events);
   to.one("pair_candidates_total", "counter", "Pairs of movers that the broad phase found.", figures.pairs.candidates);
   to.one("pairs_filtered_total", "counter", "Pairs of movers that layers, masks or groups keep apart.",
          figures.pairs.filtered);

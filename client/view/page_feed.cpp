@@ -7,7 +7,7 @@
 namespace collided::view {
 namespace {
 
-enum Lane : std::uint8_t { kEveryOne, kPoses, kStatus, kTable, kFences };
+enum Lane : std::uint8_t { kEveryOne, kPoses, kStatus, kTable, kStanding };
 
 WebMessage text_message(std::string text, Lane lane = kEveryOne) {
   return {.bytes = make_bytes(std::move(text)), .is_text = true, .lane = lane};
@@ -53,11 +53,11 @@ void PageFeed::status(const ServerStatus& status, const std::optional<Figures>& 
   tell_(message);
 }
 
-void PageFeed::fences(std::span<const draw::FenceOutline> fences) {
-  const WebMessage message = text_message(fences_text(fences), kFences);
+void PageFeed::standing(std::span<const draw::StandingOutline> outlines) {
+  const WebMessage message = text_message(standing_text(outlines), kStanding);
   {
     const std::lock_guard lock(mutex_);
-    fences_ = message.bytes;
+    standing_ = message.bytes;
   }
   tell_(message);
 }
@@ -81,7 +81,7 @@ std::vector<WebMessage> PageFeed::first_words() const {
   std::vector<WebMessage> words;
   if (status_) words.push_back({status_, true, kStatus});
   if (shown_) words.push_back(text_message(table_text(*shown_), kTable));
-  if (fences_) words.push_back({fences_, true, kFences});
+  if (standing_) words.push_back({standing_, true, kStanding});
   std::vector<Event> contacts;
   for (const auto& [pair, contact] : contacts_) contacts.push_back(contact);
   words.push_back(text_message(contacts_text(contacts, kMostContactsReported)));

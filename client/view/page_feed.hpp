@@ -26,7 +26,7 @@ class PageFeed : public Observer {
   void objects(const std::shared_ptr<const ShownObjects>& shown) override;
   void poses(const Poses& poses) override;
   void status(const ServerStatus& status, const std::optional<Figures>& recent) override;
-  void fences(std::span<const draw::FenceOutline> fences) override;
+  void standing(std::span<const draw::StandingOutline> outlines) override;
   void silent(double seconds) override;
   void events(std::span<const Event> events) override;
 
@@ -57,7 +57,7 @@ class PageFeed : public Observer {
   std::map<std::uint64_t, KnownSurface> surfaces_;
   Bytes poses_;
   Bytes status_;
-  Bytes fences_;
+  Bytes standing_;
   std::map<std::pair<std::uint64_t, std::uint64_t>, Event> contacts_;
 };
 

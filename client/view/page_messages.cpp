@@ -229,27 +229,10 @@ std::string status_text(const ServerStatus& status, const std::optional<Figures>
   return text_of(text);
 }
 
-std::string fences_text(std::span<const draw::FenceOutline> fences) {
+std::string standing_text(std::span<const draw::StandingOutline> outlines) {
   json list = json::array();
-  for (const draw::FenceOutline& fence : fences) {
-    json lines = json::array();
-    for (const std::vector<Vec3>& points : fence.lines) {
-      json line = json::array();
-      for (const Vec3& point : points) append(line, point);
-      lines.push_back(std::move(line));
-    }
-    json text{{"name", fence.name},
-              {"to", fence.to},
-              {"inside", fence.inside},
-              {"in_doubt", fence.in_doubt},
-              {"lines", std::move(lines)}};
-    if (fence.is_band) text["within"] = fence.within_m;
-    if (fence.is_nearest) text["nearest_to"] = fence.of;
-    if (fence.distance_m) text["distance"] = *fence.distance_m;
-    if (!fence.definition.empty()) text["definition"] = fence.definition;
-    list.push_back(std::move(text));
-  }
-  return text_of({{"type", "fences"}, {"fences", std::move(list)}});
+  for (const draw::StandingOutline& outline : outlines) list.push_back(json_of(outline));
+  return text_of({{"type", "standing"}, {"standing", std::move(list)}});
 }
 
 std::string silent_text(double for_s) { return text_of({{"type", "silent"}, {"seconds", for_s}}); }

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "client/draw/drawing/fence_outlines.hpp"
+#include "client/draw/drawing/standing_outlines.hpp"
 #include "client/view/figures.hpp"
 #include "collided/client.hpp"
 
@@ -43,11 +43,9 @@ std::string contacts_text(std::span<const Event> contacts, std::size_t most);
 /// one}.
 std::string status_text(const ServerStatus& status, const std::optional<Figures>& recent);
 
-/// {type "fences", fences [{name, within (m, of a band), to, inside [names], in_doubt [names], lines [[x, y, z, ...]],
-/// nearest_to (of a question for the nearest: the object, "" for a point), distance (of it, m), definition {only, skip, ...}
-/// (texts, as the server lists it)}]}:
-/// the lines in the frame of `to`, or in the world.
-std::string fences_text(std::span<const draw::FenceOutline> fences);
+/// {type "standing", standing [OutlinedStanding, and of the nearest its distance (m)]}: the lines in the frame of `about` of a
+/// band or `to` of a region, otherwise in the world.
+std::string standing_text(std::span<const draw::StandingOutline> outlines);
 
 /// {type "silent", seconds}: the server does not answer.
 std::string silent_text(double seconds);

@@ -11,6 +11,7 @@
 #include "client/view/assets.hpp"
 #include "client/view/page_feed.hpp"
 #include "client/view/page_messages.hpp"
+#include "idl/base64.hpp"
 
 namespace collided::view {
 namespace {
@@ -26,20 +27,6 @@ std::string packed(std::string_view bytes) {
   if (failed != Z_OK) throw std::bad_alloc();
   out.resize(size);
   return out;
-}
-
-std::string base64(std::string_view bytes) {
-  static constexpr char kDigits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-  std::string text;
-  text.reserve((bytes.size() + 2) / 3 * 4);
-  for (std::size_t at = 0; at < bytes.size(); at += 3) {
-    const std::size_t count = std::min<std::size_t>(3, bytes.size() - at);
-    std::uint32_t group = 0;
-    for (std::size_t i = 0; i < 3; ++i)
-      group = group << 8 | (i < count ? static_cast<unsigned char>(bytes[at + i]) : 0U);
-    for (std::size_t i = 0; i < 4; ++i) text += i <= count ? kDigits[group >> (18 - 6 * i) & 63] : '=';
-  }
-  return text;
 }
 
 /// JSON in which nothing can end or begin an HTML element. Names may contain anything, and the text is put into a
@@ -140,10 +127,10 @@ SavedRun Recorder::finish(const RecordingOptions& options) && {
     const bool is_text = std::string_view(message.kind) == "text";
     saved.frames += std::string_view(message.kind) == "poses" ? 1 : 0;
     messages.push_back(
-        {{"t", message.at_s}, {"kind", message.kind}, {"data", is_text ? message.data : base64(message.data)}});
+        {{"t", message.at_s}, {"kind", message.kind}, {"data", is_text ? message.data : encode_base64(message.data)}});
   }
   json surfaces = json::object();
-  for (const auto& [key, bytes] : surfaces_) surfaces[key] = base64(bytes);
+  for (const auto& [key, bytes] : surfaces_) surfaces[key] = encode_base64(bytes);
   const json run{{"begin", 0}, {"end", saved.seconds}, {"messages", messages}, {"surfaces", surfaces}};
   saved.page = asset("/");
   replace(saved.page, R"(<link rel="stylesheet" href="view.css">)",

@@ -140,9 +140,9 @@ void Viewer::Both::status(const ServerStatus& status, const std::optional<Figure
 void Viewer::Both::totals(const ServerStatus& status, const std::optional<Figures>& since_start) {
   metrics_.set(metrics_text(status, since_start));
 }
-void Viewer::Both::fences(std::span<const draw::FenceOutline> fences) {
-  pages_.fences(fences);
-  foxglove_.fences(fences);
+void Viewer::Both::standing(std::span<const draw::StandingOutline> outlines) {
+  pages_.standing(outlines);
+  foxglove_.standing(outlines);
 }
 void Viewer::Both::silent(double seconds) {
   metrics_.set(metrics_text({}, {}));

@@ -55,7 +55,7 @@ class Viewer {
     void poses(const Poses& poses) override;
     void status(const ServerStatus& status, const std::optional<Figures>& recent) override;
     void totals(const ServerStatus& status, const std::optional<Figures>& since_start) override;
-    void fences(std::span<const draw::FenceOutline> fences) override;
+    void standing(std::span<const draw::StandingOutline> outlines) override;
     void silent(double seconds) override;
     void events(std::span<const Event> events) override;
 

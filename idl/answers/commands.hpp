@@ -81,6 +81,7 @@ constexpr auto fields_of(const PlannedStructure*) {
   return listed(fields<&T::structure, &T::built>(), field("why", &T::reason), fields<&T::saves>());
 }
 constexpr auto fields_of(const PlannedPair*) { return fields<&PlannedPair::a, &PlannedPair::b, &PlannedPair::how>(); }
-constexpr auto fields_of(const Plan*) { return fields<&Plan::structures, &Plan::pairs, &Plan::bytes>(); }
+constexpr auto fields_of(const Wing*) { return fields<&Wing::name, &Wing::in_use>(); }
+constexpr auto fields_of(const Plan*) { return fields<&Plan::structures, &Plan::pairs, &Plan::bytes, &Plan::wings>(); }
 
 }  // namespace collided

@@ -4,6 +4,7 @@
 
 #include <collided/explanations.hpp>
 
+#include "idl/answers/standing.hpp"
 #include "idl/described.hpp"
 
 /// The names that explanations have as JSON, in the order of `collide explain --json`. Words are listed by their codes.
@@ -13,7 +14,7 @@ inline constexpr const char* kSideWords[] = {"outside", "inside", "undecided"};
 inline constexpr const char* kTouchWords[] = {"apart", "touching", "undecided"};
 inline constexpr const char* kRungWords[] = {"double", "expansion", "rational"};
 inline constexpr const char* kWhereMissedWords[] = {"beside", "start", "end"};
-inline constexpr const char* kEventsOfWords[] = {"contacts", "fences"};
+inline constexpr const char* kEventsOfWords[] = {"contacts", "standing"};
 
 // ---- a ray ---------------------------------------------------------------------------------------------------------
 
@@ -57,32 +58,24 @@ constexpr auto fields_of(const ExplainedPair*) {
   return listed(fields<&T::why_not, &T::attached, &T::nearest>(), unless_default<&T::no_nearest>());
 }
 
-// ---- a fence, and the nearest --------------------------------------------------------------------------------------
+// ---- a standing question -------------------------------------------------------------------------------------------
 
-constexpr auto fields_of(const ExplainedStanding*) {
-  using T = ExplainedStanding;
+constexpr auto fields_of(const ExplainedObject*) {
+  using T = ExplainedObject;
   return listed(fields<&T::object>(), field("answer", &T::verdict, kSideWords),
-                fields<&T::clearance_m, &T::error_m, &T::on_fence, &T::on_object>(), unless_default<&T::stale>(),
-                field("why", &T::why_left_out, Written::unless_default), unless_default<&T::told>(),
-                fields<&T::since>(), unless_default<&T::episode>(), fields_if<&T::told, &T::doubt>());
+                fields<&T::clearance_m, &T::error_m, &T::on_other, &T::on_object>(), unless_default<&T::stale>(),
+                field("why", &T::why_left_out, Written::unless_default), unless_default<&T::reported>(),
+                fields<&T::since>(), unless_default<&T::episode>(), fields_if<&T::reported, &T::doubt>());
 }
 constexpr auto fields_of(const ExplainedNews*) {
   using T = ExplainedNews;
   return fields<&T::sequence, &T::what, &T::object, &T::why, &T::doubt, &T::low, &T::high>();
 }
-constexpr auto fields_of(const ExplainedFence*) {
-  using T = ExplainedFence;
-  return listed(fields<&T::fence, &T::kind, &T::to, &T::placed, &T::only, &T::skip, &T::mask, &T::tells, &T::keep,
-                       &T::looked_at, &T::inside, &T::outside, &T::left_out, &T::asked_for, &T::events>(),
-                unless_default<&T::late>(), field("time_ns", &T::world_time), fields<&T::version>());
-}
-constexpr auto fields_of(const ExplainedNearest*) {
-  using T = ExplainedNearest;
-  return listed(fields<&T::nearest, &T::to, &T::point, &T::placed, &T::only, &T::skip, &T::mask, &T::within_m,
-                       &T::hysteresis_m, &T::keep, &T::looked_at>(),
-                field("is", &T::is, Written::as_list),
-                fields<&T::others, &T::left_out, &T::asked_for, &T::events, &T::cut_short>(),
-                unless_default<&T::late>(), field("time_ns", &T::world_time), fields<&T::version>());
+constexpr auto fields_of(const ExplainedStanding*) {
+  using T = ExplainedStanding;
+  return listed(fields_of(static_cast<const DefinedStanding*>(nullptr)),
+                fields<&T::placed, &T::looked_at, &T::holds, &T::others, &T::left_out, &T::asked_for, &T::events>(),
+                unless_default<&T::cut_short, &T::late>(), field("time_ns", &T::world_time), fields<&T::version>());
 }
 
 // ---- an event ------------------------------------------------------------------------------------------------------

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "idl/answers/commands.hpp"
 #include "idl/described.hpp"
 
 /// What a server has done: the answers of the commands `figures` and `steps`.
@@ -143,12 +144,13 @@ struct Figures {
   std::uint64_t filters_dropped = 0;  // name patterns that were worked out and gave their memory to others
   std::vector<std::string> not_built{};
   std::vector<HeldTiles> tiles{};
+  std::vector<Wing> wings{};
 };
 constexpr auto fields_of(const Figures*) {
   using T = Figures;
   return fields<&T::up_ns, &T::keeps_nothing, &T::version, &T::step_period_ns, &T::steps, &T::stalled_steps,
                 &T::step_durations, &T::stages, &T::pairs, &T::fences, &T::poses, &T::stamps, &T::clocks, &T::questions,
-                &T::refused, &T::undecided, &T::filters_dropped, &T::not_built, &T::tiles>();
+                &T::refused, &T::undecided, &T::filters_dropped, &T::not_built, &T::tiles, &T::wings>();
 }
 
 /// One step of the world. Each stage has clock readings of its own; whole_ns is measured apart.

@@ -7,6 +7,7 @@
 
 #include "idl/etcd/etcd_address.hpp"
 #include "idl/etcd/lease_store.hpp"
+#include "idl/http/http_post.hpp"
 
 namespace collided::etcd {
 
@@ -16,6 +17,7 @@ namespace collided::etcd {
 /// threads  one
 class EtcdClient : public LeaseStore {
  public:
+  /// Throws ModuleMissing.
   EtcdClient(EtcdAddress address, std::int64_t patience_ns);
 
   std::int64_t grant(int life_s) override;
@@ -31,6 +33,7 @@ class EtcdClient : public LeaseStore {
 
   const EtcdAddress address_;
   const std::int64_t patience_ns_;
+  const http::HttpModule& http_;
   std::size_t newest_ = 0;  // the endpoint that answered last
 };
 

@@ -26,9 +26,8 @@ enum class Recorded : std::uint16_t {
   probe,
   status,
   step,
-  fence_event,
-  fence_state,
-  fence_status
+  standing_event,
+  standing_state
 };
 
 /// One row of the table of recorded topics.
@@ -39,7 +38,7 @@ struct RecordedTopic {
   bool is_only_when_used = false;  // a file without a message of it has no such channel
 };
 
-inline constexpr std::array<RecordedTopic, 12> kRecordedTopics{{
+inline constexpr std::array<RecordedTopic, 11> kRecordedTopics{{
     {Recorded::object, wire_contract::kObjectTopic, "collided::wire_v2::Definition"},
     {Recorded::pose, wire_contract::kPoseTopic, "collided::wire_v2::PoseBatch"},
     {Recorded::query, wire_contract::kQueryTopic, "collided::wire_v2::Query"},
@@ -49,9 +48,8 @@ inline constexpr std::array<RecordedTopic, 12> kRecordedTopics{{
     {Recorded::probe, wire_contract::kProbeTopic, "collided::wire_v2::ProbeFrame"},
     {Recorded::status, wire_contract::kStatusTopic, "collided::wire_v2::Status"},
     {Recorded::step, wire_contract::kStepTopic, "collided::wire_v2::Status"},
-    {Recorded::fence_event, wire_contract::kFenceEventTopic, "collided::wire_v2::EventFrame", true},
-    {Recorded::fence_state, wire_contract::kFenceStateTopic, "collided::wire_v2::ContactShard", true},
-    {Recorded::fence_status, wire_contract::kFenceStatusTopic, "collided::wire_v2::Status", true},
+    {Recorded::standing_event, wire_contract::kStandingEventTopic, "collided::wire_v2::StandingFrame", true},
+    {Recorded::standing_state, wire_contract::kStandingStateTopic, "collided::wire_v2::StandingShard", true},
 }};
 
 /// The channels of a namespace, in the order of kRecordedTopics.

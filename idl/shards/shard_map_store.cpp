@@ -6,6 +6,7 @@
 
 #include "idl/etcd/etcd_address.hpp"
 #include "idl/etcd/etcd_client.hpp"
+#include "idl/module.hpp"
 
 namespace collided::shards {
 namespace {
@@ -27,7 +28,9 @@ etcd::EtcdAddress parsed(const std::string& address) {
 std::unique_ptr<etcd::LeaseStore> client_of(const std::string& address, nanoseconds patience) {
   etcd::EtcdAddress read = parsed(address);
   const nanoseconds each = patience / static_cast<std::int64_t>(read.endpoints.size());
-  return std::make_unique<etcd::EtcdClient>(std::move(read), std::min(each, kLongestTry).count());
+  try {
+    return std::make_unique<etcd::EtcdClient>(std::move(read), std::min(each, kLongestTry).count());
+  } catch (const ModuleMissing& missing) { throw ShardMapError(address + ": " + missing.what()); }
 }
 
 }  // namespace

@@ -8,6 +8,12 @@
 #include <vector>
 
 #include "server/service/options/options.hpp"
+#include "server/service/runtime/clock.hpp"
+#include "server/service/runtime/place.hpp"
+
+namespace collided::dds {
+class Participant;
+}
 
 namespace collided::engine::service {
 
@@ -16,22 +22,39 @@ struct StartError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// Makes the place of a server. participant and clock outlive it; `end` as for Server.
+using MakePlace = std::function<std::unique_ptr<Place>(const Options& options, const dds::Participant& participant,
+                                                       const WorldClock& clock, std::shared_ptr<spdlog::logger> log,
+                                                       std::function<void()> end)>;
+
+/// The source of a server's place.
+struct PlaceSource {
+  ApplyFleetSetting apply;                 // stores the settings of the fleet
+  std::function<void(Options&)> complete;  // called once all settings are known, unless nothing is to be served
+  MakePlace make;
+};
+
 /// The server: connects everything between main() and the folders of this room.
 ///
-///   Server server(options, log);   // loads, joins the domain, makes sure to be alone; throws StartError
-///   server.start();                // serves from here on
-///   server.stop();                 // answers what is queued, ends the contacts, leaves
+///   Server server(options, log, make_place, end);  // loads, joins the domain, makes sure to be alone; throws StartError
+///   server.start();                                // serves from here on
+///   server.stop();                                 // answers what is queued, ends the contacts, leaves
 ///
 /// threads  one
 class Server {
  public:
-  /// end  has stop() called soon, once another server has taken this one's place; called on any thread, returns at once
-  /// Throws StartError or LoadError.
-  Server(const Options& options, std::shared_ptr<spdlog::logger> log, std::function<void()> end);
+  /// make_place  what the server is among others
+  /// end         has stop() called soon, once another server has taken this one's place; called on any thread, returns at once
+  /// throws      StartError, LoadError or CannotServeNow
+  Server(const Options& options, std::shared_ptr<spdlog::logger> log, const MakePlace& make_place,
+         std::function<void()> end);
   ~Server();
 
-  /// Starts serving; returns a line "ready: ..." for scripts that wait for it.
+  /// Starts serving; returns a line "ready: ..." for scripts that wait for it, to be printed once is_restoring() is over.
   std::string start();
+  /// Whether commands from before a stop or a crash are still to be carried out. It does not wait for publishers that a
+  /// crash has cut off, nor for losses to be accepted. Any thread.
+  bool is_restoring() const;
   /// Returns once all is ended; a second call does nothing.
   void stop();
   /// To be asked when end was called. Whether this server was asked to hand over, and nobody has taken its place: then it

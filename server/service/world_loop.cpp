@@ -93,13 +93,14 @@ void WorldLoop::count_taking(std::int64_t now_ns) {
   taking_since_ns_ = now_ns;
 }
 
-/// Writes a status twenty times a second, however much has come in. While a step takes longer, the heartbeat repeats it.
+/// Writes a status twenty times a second, half as often while it has no reader, however much has come in. While a step
+/// takes longer, the heartbeat repeats it.
 /// Every tenth of a second does what is due less often.
 void WorldLoop::keep_time() {
   constexpr std::int64_t kTickNs = 100'000'000;
   const std::int64_t now_ns = steady_ns();
   if (now_ns < next_status_ns_) return;
-  next_status_ns_ = now_ns + wire_contract::kStatusPeriodNs;
+  next_status_ns_ = now_ns + with_.event_writer.status_period_ns();
   publishers_.settle(with_.clock.now_ns());
   if (recovering() && has_recovered()) recovering_.store(false);
   write_status(state());
@@ -113,18 +114,19 @@ void WorldLoop::keep_time() {
   if (say_again_ns_ != 0 && now_ns >= say_again_ns_) {
     say_again_ns_ = 0;
     broadcast_.mark_all();
-    fence_broadcast_.mark_all();
+    standing_broadcast_.mark_all();
     note_change();
   }
   with_.tick();
   say_notices();
 }
 
-/// Whether the recovery is over: what commands had added is there again, and so are the publishers from before the
-/// crash. A lease must have passed too, for a publisher that came just before the crash and was not noted. The wait for
+/// Whether the recovery is over: what commands had added is there again and, after a crash, so are the publishers from
+/// before it. A lease must have passed too, for a publisher that came just before the crash and was not noted. The wait for
 /// publishers has a limit.
 bool WorldLoop::has_recovered() const {
   if (with_.is_adding_again && with_.is_adding_again()) return false;
+  if (options_.recovery_ns == 0) return true;
   const std::int64_t waited_ns = steady_ns() - started_ns_;
   const bool is_early = waited_ns < wire_contract::kPublisherLeaseNs;
   if (!is_early && with_.has_all_back && with_.has_all_back()) return true;
@@ -212,7 +214,7 @@ void WorldLoop::speak(const SpokenBefore& before) {
   // Where it was kept from speaking, it tells what was before that, too, once it may.
   told_from_ = told_from_ == 0 ? from : std::min(told_from_, from);
   broadcast_.mark_all();
-  fence_broadcast_.mark_all();
+  standing_broadcast_.mark_all();
   step_now();
   write_status(state());
   // A client that still took the one before for the server has let these words pass.
@@ -325,7 +327,7 @@ void WorldLoop::sum_up_poses() {
 void WorldLoop::publish() {
   const auto is_merged = [this](ObjectId id) { return publishers_.is_merged(id, settled_before_ns_); };
   broadcast_.publish(is_merged);
-  fence_broadcast_.publish(is_merged);
+  standing_broadcast_.publish(is_merged);
   if (!probes_.empty() && with_.event_writer.probes_wanted()) {
     const SnapshotRing::Lease state = with_.world.newest();
     publish_probes({.version = state->version, .world_time_ns = state->world_time_ns});
@@ -391,17 +393,7 @@ void WorldLoop::write_status(ServerState state) {
   list_publishers(true);
   sum_up_poses();
   with_.event_writer.write_status(status_);
-  if (with_.event_writer.fence_status_wanted()) write_fence_status(state);
-}
-
-void WorldLoop::write_fence_status(ServerState state) {
-  StatusColumns status;
-  status.stamp = status_.stamp;
-  status.state = state;
-  status.last_event_sequence = fence_broadcast_.last_sequence();
-  status.contact_count = static_cast<std::uint32_t>(fence_broadcast_.open().size());
-  status.contact_hash = fence_broadcast_.contact_hash();
-  with_.event_writer.write_fence_status(status);
+  standing_broadcast_.publish_sum(state);
 }
 
 /// Writes only what changes with every step, so it costs little more than listing the publishers.
@@ -468,7 +460,7 @@ void WorldLoop::end_contacts() {
     objects.push_back(contact.a);
     objects.push_back(contact.b);
   }
-  for (const OpenContact& inside : fence_broadcast_.open()) objects.push_back(inside.a);
+  for (const OpenContact& inside : standing_broadcast_.open()) objects.push_back(inside.a);
   std::sort(objects.begin(), objects.end());
   objects.erase(std::unique(objects.begin(), objects.end()), objects.end());
   for (const ObjectId id : objects) {

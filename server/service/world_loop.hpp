@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "server/service/events/broadcast.hpp"
+#include "server/service/events/standing_broadcast.hpp"
 #include "server/service/events/event_writer.hpp"
 #include "server/service/ingest/inbox.hpp"
 #include "server/service/ingest/publishers.hpp"
@@ -18,6 +19,7 @@
 #include "server/service/questions/write_barriers.hpp"
 #include "server/service/runtime/clock.hpp"
 #include "server/service/runtime/counters.hpp"
+#include "server/service/runtime/place.hpp"
 #include "server/service/runtime/step_sums.hpp"
 #include "server/service/runtime/step_traces.hpp"
 #include "server/world/world.hpp"
@@ -28,6 +30,7 @@ namespace collided::engine::service {
 struct LoopOptions {
   std::int64_t step_ns = 0;      // 0: a step as soon as something has changed
   std::int64_t recovery_ns = 0;  // longest wait for publishers after a crash; 0: there was none
+  bool restores = false;         // what was kept is carried out again; until that is done, the server recovers
   PublisherLimits limits;
 };
 
@@ -51,14 +54,14 @@ class WorldLoop {
     WriteBarriers& write_barriers;
     SnapshotLeases& leases;
     QuestionCounts& questions;
+    const Place& place;
     std::function<void(AskPointer)> admit;           // questions whose write barrier has been passed
     std::function<void()> tick;                      // ten times a second
     std::function<void(const std::string&)> notice;  // a sentence for the log
     std::function<void()> has_new_publisher = {};    // at once, since a crash may be near; empty: not called
-    // Called while the server recovers from a crash; empty: nothing to wait for.
+    // Called while the server recovers; empty: nothing to wait for.
     std::function<bool()> is_adding_again = {};  // commands are still carried out again; without time limit
     std::function<bool()> has_all_back = {};     // every publisher from before the crash is back
-    std::function<bool()> lags_primary = {};     // of a replica: it answers nothing; any thread
     // Called before each step.
     std::function<bool()> leaves_out_details = {};  // overloaded: contacts that go on are not reported again
   };
@@ -68,8 +71,8 @@ class WorldLoop {
         options_(options),
         publishers_(with.world, options.limits),
         broadcast_(with.world, with.event_writer, with.notice),
-        fence_broadcast_(with.world, with.event_writer, with.notice, BroadcastOf::fences),
-        recovering_(options.recovery_ns > 0),
+        standing_broadcast_(with.world, with.event_writer, with.notice),
+        recovering_(options.recovery_ns > 0 || options.restores),
         started_ns_(steady_ns()) {}
 
   /// Runs until stop(), then ends every contact with server_stopping and publishes that. The calling thread becomes the
@@ -125,13 +128,12 @@ class WorldLoop {
   bool recovering() const { return recovering_.load(std::memory_order_relaxed); }
   /// Whether everything that is known of is there. Any thread.
   wire_contract::ServerState state() const {
-    const bool lacks = recovering() || (with_.lags_primary && with_.lags_primary());
+    const bool lacks = recovering() || !with_.place.whole_since_ns();
     return lacks ? wire_contract::ServerState::recovering : wire_contract::ServerState::ready;
   }
-  /// The newest events of contacts, or of fences. Any thread.
-  const RecentEvents& recent_events(BroadcastOf subject) const {
-    return subject == BroadcastOf::fences ? fence_broadcast_.recent() : broadcast_.recent();
-  }
+  /// The newest events of contacts, and of standing questions. Any thread.
+  const RecentEvents& recent_contacts() const { return broadcast_.recent(); }
+  const RecentEvents& recent_standing() const { return standing_broadcast_.recent(); }
   /// Has the publishers asked to define everything again, in the statuses of the next second. Any thread.
   void ask_publishers_again();
   /// Writes a sentence to the log. Any thread.
@@ -161,7 +163,6 @@ class WorldLoop {
   void publish_probes(const Stamp& stamp);
   void release_passed_barriers();
   void write_status(wire_contract::ServerState state);
-  void write_fence_status(wire_contract::ServerState state);
   void write_step();
   void list_publishers(bool with_names);
   void list_publisher_names();
@@ -174,7 +175,7 @@ class WorldLoop {
   LoopOptions options_;
   Publishers publishers_;
   Broadcast broadcast_;
-  Broadcast fence_broadcast_;
+  StandingBroadcast standing_broadcast_;
   std::atomic<bool> stopping_{false};
   std::atomic<std::thread::id> thread_{};
   std::atomic<bool> recovering_{false};

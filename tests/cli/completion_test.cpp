@@ -61,7 +61,7 @@ TEST_F(Completion, WhatAnOptionTakesIsOffered) {
 TEST_F(Completion, EveryOptionOfEveryVerbSaysWhatItTakes) {
   for (const cli::Verb& verb : cli::verbs()) {
     CLI::App app;
-    const std::unique_ptr<cli::Command> command = verb.make();
+    const std::unique_ptr<cli::Command> command = make_command(verb, every_wing());
     cli::Globals globals;
     cli::declare_verb(app, *command, globals);
     for (const CLI::Option* option : app.get_options()) {

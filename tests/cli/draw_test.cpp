@@ -3,6 +3,8 @@
 #include <fstream>
 #include <sstream>
 
+#include "idl/answers/standing.hpp"
+#include "idl/described_json.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
 #include "tests/cli/terminal.hpp"
@@ -23,7 +25,7 @@ class DrawVerb : public testing::Test {
       EXPECT_EQ(name, "fences");
       return fences;
     };
-    fences = R"({"fences":[]})";
+    fences = R"({"standing":[]})";
     shown = {};
     shown.objects.push_back(
         {.id = 1, .name = "crate", .scene = {}, .pose = {}, .parts = {BoxShape{{1, 1, 1}}}, .runs = {}});
@@ -36,9 +38,19 @@ class DrawVerb : public testing::Test {
     return text.str();
   }
 
+  static OutlinedStanding region(const std::string& name, const std::string& carrier,
+                                 const std::vector<std::vector<double>>& lines) {
+    OutlinedStanding region;
+    region.name = name;
+    region.kind = "box";
+    region.to = carrier;
+    region.lines = lines;
+    return region;
+  }
+
   ScratchFile file_{"draw_", ""};
   static inline ShapesOptions asked;
-  static inline std::string fences;
+  static inline std::string fences;  // the server's answer
   static inline ShownObjects shown;
 };
 
@@ -117,13 +129,14 @@ TEST_F(DrawVerb, OpenContactsAreRingsAsDeepAsTheyAre) {
   EXPECT_EQ(text_of(path("a.svg")).find("<circle"), std::string::npos);
 }
 
-// Two lines of one fence in the world, which something is in, and one that an object carries; that of another object is
+// Two lines of one region in the world, which something is in, and one that an object carries; that of another object is
 // left out with it.
-TEST_F(DrawVerb, FencesAreDashedAndInTheAccentWhereTheyAreEntered) {
-  fences = R"({"fences":[
-    {"fence":"dock","id":1,"kind":"box","to":"","inside":["ball"],"in_doubt":[],"lines":[[-1,-1,2,1,-1,2],[1,-1,2,1,1,2]]},
-    {"fence":"zone","id":2,"kind":"sphere","to":"crate","inside":[],"in_doubt":[],"lines":[[0,0,3,1,0,3,1,1,3]]},
-    {"fence":"gone","id":3,"kind":"box","to":"other","inside":[],"in_doubt":[],"lines":[[0,0,0,1,0,0]]}]})";
+TEST_F(DrawVerb, FencesAreDashedAndInTheAccentIfTheyAreEntered) {
+  std::vector<OutlinedStanding> rows{region("dock", "", {{-1, -1, 2, 1, -1, 2}, {1, -1, 2, 1, 1, 2}}),
+                                     region("zone", "crate", {{0, 0, 3, 1, 0, 3, 1, 1, 3}}),
+                                     region("gone", "other", {{0, 0, 0, 1, 0, 0}})};
+  rows[0].holds = {{.object = "ball"}};
+  fences = nlohmann::json{{"standing", json_of(rows)}}.dump();
   ASSERT_EQ(collide("draw -o " + path("a.svg")).code, 0);
   const std::string svg = text_of(path("a.svg"));
   EXPECT_NE(svg.find("class=\"fence-entered\""), std::string::npos);
@@ -137,20 +150,21 @@ TEST_F(DrawVerb, FencesAreDashedAndInTheAccentWhereTheyAreEntered) {
   EXPECT_GT(dashes("fence"), 20);
   ASSERT_EQ(collide("draw --no-fences -o " + path("b.svg")).code, 0);
   EXPECT_EQ(text_of(path("b.svg")).find("fence"), std::string::npos);
-  // Where they cannot be listed the drawing is made all the same.
+  // If they cannot be listed the drawing is made all the same.
   fences = "no list";
   const Ran ran = collide("draw -o " + path("c.svg"));
   EXPECT_EQ(ran.code, 0);
   EXPECT_NE(ran.err.find("fences are not drawn"), std::string::npos) << ran.err;
 }
 
-// From the nearest point of the one to that of the other; where the two touch there is no line.
+// From the nearest point of the one to that of the other; two that touch have no line.
 TEST_F(DrawVerb, WhatIsNearestIsALine) {
-  ListedNearest listed;
-  listed.question.name = "escape";
-  listed.question.to = "guest";
-  listed.object = "door_1";
-  fake::server().listed_nearest = {listed};
+  ListedStanding listed;
+  listed.name = "escape";
+  listed.form = StandingForm::nearest;
+  listed.to = "guest";
+  listed.holds = {{.object = "door_1"}};
+  fake::server().listed_standing = {listed};
   Verdict verdict = Verdict::miss;
   fake::server().pair = [&](const std::string& a, const std::string& b, const PairOptions&) {
     EXPECT_EQ(a + " " + b, "guest door_1");

@@ -5,7 +5,6 @@
 #include "client/cli/failure.hpp"
 #include "client/cli/input/time_text.hpp"
 #include "client/library/recordings/recorded_events.hpp"
-#include "idl/fence_ids.hpp"
 #include "tests/cli/fakes/event_recording.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/scratch_file.hpp"
@@ -17,6 +16,7 @@ namespace {
 using test::EventRecording;
 using Kind = EventRecording::Kind;
 using Reason = EventRecording::Reason;
+using News = StandingEventKind;
 
 constexpr std::uint64_t kCrate = 1, kShelf = 2, kDrone = 3,
                         kCart = kDrone + (std::uint64_t{1} << 32);  // in the drone's place
@@ -286,25 +286,48 @@ TEST_F(EventsVerb, AServerThatStartsAgainEndsWhatIsGone) {
 }
 
 // The crate lies in the dock, the drone flies in and out of it and past the crate's band; it is the nearest for a while.
-TEST_F(EventsVerb, FencesMarginsAndTheNearestAreListedApart) {
-  constexpr std::uint64_t kFence = std::uint64_t{1} << 63;
-  constexpr std::uint64_t kDock = kFence | 1, kBand = kFence | 2, kNext = wire_contract::kNearestBits | 3;
+TEST_F(EventsVerb, StandingQuestionsAreListedTogetherAndByTheirForms) {
+  constexpr std::uint64_t kDock = test::standing_id(1), kBand = test::standing_id(2), kNext = test::standing_id(3);
+  const test::StandingStay crate{.standing = kDock, .object = kCrate, .episode = 5, .began_ns = 90'000'000'000};
   {
     EventRecording run(path());
     name_all(run);
     run.name(kDock, "dock");
-    run.name(kBand, "close\ncrate\n0\n2");
+    run.name(kBand, "close");
     run.name(kNext, "next");
     run.status(100, 0);
-    run.tell_of_fences(true);
-    run.shard(100, 5, {{kCrate, kDock, 5, 90}});
-    run.status(100.1, 5, {{kCrate, kDock, 5, 90}});
-    run.frame(101, 6, {{Kind::began, kDrone, kBand, 6, 0.003, 0.002}, {Kind::began, kDrone, kDock, 7, 0.002, 0.001}});
-    run.frame(102, 8, {{Kind::began, kDrone, kNext, 8}});
-    run.frame(103, 9, {{Kind::ended, kDrone, kDock, 7, 0, 0, Reason::separated}});
-    run.frame(104, 10, {{Kind::ended, kDrone, kNext, 8, 0, 0, Reason::removed}});
-    run.frame(104, 11, {{Kind::ended, kDrone, kBand, 6, 0, 0, Reason::removed}});
-    run.status(105, 11, {{kCrate, kDock, 5, 90}});
+    run.standing_shard(100, 5, {crate});
+    run.standing_sum(100.1, 5, {crate});
+    run.standing_frame(101, 6,
+                       {{.kind = News::approach,
+                         .standing = kBand,
+                         .object = kDrone,
+                         .other = kCrate,
+                         .episode = 6,
+                         .band_m = 2,
+                         .bracket_low_s = 0.003,
+                         .bracket_high_s = 0.002},
+                        {.kind = News::enter,
+                         .standing = kDock,
+                         .object = kDrone,
+                         .episode = 7,
+                         .bracket_low_s = 0.002,
+                         .bracket_high_s = 0.001}});
+    run.standing_frame(102, 8, {{.kind = News::changed, .standing = kNext, .object = kDrone}});
+    run.standing_frame(
+        103, 9, {{.kind = News::exit, .standing = kDock, .object = kDrone, .episode = 7, .reason = Reason::separated}});
+    run.standing_frame(
+        104, 10,
+        {{.kind = News::changed, .standing = kNext, .other = kDrone, .episode = 8, .reason = Reason::removed}});
+    run.standing_frame(104, 11,
+                       {{.kind = News::leave,
+                         .standing = kBand,
+                         .object = kDrone,
+                         .other = kCrate,
+                         .episode = 6,
+                         .band_m = 2,
+                         .reason = Reason::removed}});
+    run.standing_sum(105, 11, {crate});
   }
   const Ran fences = at_terminal("events " + path() + " --of fences");
   EXPECT_EQ(fences.code, 0);
@@ -317,28 +340,31 @@ TEST_F(EventsVerb, FencesMarginsAndTheNearestAreListedApart) {
   EXPECT_EQ(plain("--of fences --from 102 --csv --fields what,object"),
             "what,object\ninside,crate\ninside,drone\nexit,drone\n");
   EXPECT_EQ(plain("--of fences --only drone --csv --fields what,sequence"), "what,sequence\nenter,7\nexit,9\n");
-  EXPECT_EQ(plain("--of margins --csv --fields what,object,around,band,why"),
-            "what,object,around,band,why\napproach,drone,crate,2,\nleave,drone,crate,2,removed\n");
-  EXPECT_EQ(plain("--of nearest --csv --fields what,nearest,from,to,why"),
-            "what,nearest,from,to,why\nchanged,next,,drone,\nchanged,next,drone,,removed\n");
+  EXPECT_EQ(plain("--of margins --csv --fields what,object,other,band,why"),
+            "what,object,other,band,why\napproach,drone,crate,2,\nleave,drone,crate,2,removed\n");
+  EXPECT_EQ(plain("--of nearest --csv --fields what,standing,other,object,why"),
+            "what,standing,other,object,why\nchanged,next,,drone,\nchanged,next,drone,,removed\n");
+  EXPECT_EQ(plain("--of standing --csv --fields form,what,object"),
+            "form,what,object\nregion,inside,crate\nbands,approach,drone\nregion,enter,drone\nnearest,changed,drone\n"
+            "region,exit,drone\nnearest,changed,\nbands,leave,drone\n")
+      << "in the order of their numbers";
   EXPECT_EQ(collide("events " + path()).code, 1) << "no contacts";
   EXPECT_EQ(collide("events " + path() + " --of doors").code, 2);
 }
 
-TEST_F(EventsVerb, EventsOfFencesThatAreLostAreCounted) {
-  constexpr std::uint64_t kDock = (std::uint64_t{1} << 63) | 1;
+TEST_F(EventsVerb, EventsOfStandingQuestionsThatAreLostAreCounted) {
+  constexpr std::uint64_t kDock = test::standing_id(1);
   {
     EventRecording run(path());
     name_all(run);
     run.name(kDock, "dock");
-    run.tell_of_fences(true);
-    run.status(100, 0);
-    run.frame(101, 1, {{Kind::began, kDrone, kDock, 1}});
-    run.frame(102, 3, {{Kind::began, kDrone, kDock, 3}});
-    run.status(103, 3, {{kDrone, kDock, 3, 102}});
+    run.standing_sum(100, 0, {});
+    run.standing_frame(101, 1, {{.kind = News::enter, .standing = kDock, .object = kDrone, .episode = 1}});
+    run.standing_frame(102, 3, {{.kind = News::enter, .standing = kDock, .object = kDrone, .episode = 3}});
+    run.standing_sum(103, 3, {{.standing = kDock, .object = kDrone, .episode = 3}});
   }
   const Ran ran = at_terminal("events " + path() + " --of fences");
-  EXPECT_NE(ran.err.find(": 1 events of fences are not in it; "), std::string::npos) << ran.err;
+  EXPECT_NE(ran.err.find(": 1 events of standing questions are not in it; "), std::string::npos) << ran.err;
   EXPECT_NE(ran.err.find("; 1 lost\n"), std::string::npos) << ran.err;
 }
 

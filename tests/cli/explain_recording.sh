@@ -71,16 +71,16 @@ for question in "fence yard" "nearest who" "fence yard --why-not tower"; do
   explain $question --recording "$run" >"$folder/then"
   same "'$question'"
 done
-grep -q '^  event .* exit drone  (separated)  seq [0-9]*$' "$folder/live" || fail "the fence told $(cat "$folder/live")"
+grep -q '^  event .* exit drone  (separated)  seq [0-9]*$' "$folder/live" || fail "the fence reported $(cat "$folder/live")"
 explain fence yard --recording "$run" --as-of "$instant" >"$folder/then"
 grep -q '^yard: a box, 1 in it' "$folder/then" || fail "of the fence then it said $(cat "$folder/then" "$folder/err")"
-grep -q '^  inside   drone  .* deep  since ' "$folder/then" || fail "of who was in it said $(cat "$folder/then")"
-grep -q ' enter drone  seq [0-9]*$' "$folder/then" || fail "of what was told until then it said $(cat "$folder/then")"
-! grep -q ' exit ' "$folder/then" || fail "it tells what came later: $(cat "$folder/then")"
+grep -q '^  inside   drone  .* deep  since ' "$folder/then" || fail "of what was in it said $(cat "$folder/then")"
+grep -q ' enter drone  seq [0-9]*$' "$folder/then" || fail "of what was reported until then it said $(cat "$folder/then")"
+! grep -q ' exit ' "$folder/then" || fail "it reports what came later: $(cat "$folder/then")"
 [[ $(explain fence gone --recording "$run") == "exit code 5" ]] || fail "a fence that was gone: $(cat "$folder/err")"
-grep -q "run.mcap: server refused: no fence 'gone'" "$folder/err" || fail "of a fence that was gone it said $(cat "$folder/err")"
+grep -q "run.mcap: server refused: no standing question 'gone'" "$folder/err" || fail "of a fence that was gone it said $(cat "$folder/err")"
 [[ $(explain fence yard --as-of "$instant") == "exit code 2" ]] || fail "the live fence then: $(cat "$folder/err")"
-[[ -z $(ls "$folder" | grep collide-explain || true) ]] || fail "it left $(ls "$folder")"
+[[ -z $(ls "$folder" | grep '^collide-' || true) ]] || fail "it left $(ls "$folder")"
 
 kill "$pilot"; wait "$pilot" 2>/dev/null || true
 pilot=

@@ -49,25 +49,25 @@ json ray_answer() {
 
 json fence_answer() {
   return {
-      {"fence", "dock"},
-      {"kind", "box"},
-      {"to", ""},
+      {"name", "dock"},
+      {"form", "region"},
       {"only", "forklift*"},
       {"skip", ""},
       {"mask", 4294967295u},
-      {"tells", {"enter", "exit"}},
       {"keep", true},
+      {"kind", "box"},
+      {"detect", {"enter", "exit"}},
       {"placed", true},
       {"looked_at", 2},
-      {"inside", json::array({{{"object", "forklift_1"},
-                               {"answer", "inside"},
-                               {"clearance", -0.25},
-                               {"error", 1e-16},
-                               {"told", true},
-                               {"since_ns", 90'000'000'000},
-                               {"episode", 3},
-                               {"doubt", ""}}})},
-      {"outside", json::array({{{"object", "forklift_2"}, {"answer", "outside"}, {"clearance", 1.5}, {"error", 0}}})},
+      {"holds", json::array({{{"object", "forklift_1"},
+                              {"answer", "inside"},
+                              {"clearance", -0.25},
+                              {"error", 1e-16},
+                              {"reported", true},
+                              {"since_ns", 90'000'000'000},
+                              {"episode", 3},
+                              {"doubt", ""}}})},
+      {"others", json::array({{{"object", "forklift_2"}, {"answer", "outside"}, {"clearance", 1.5}, {"error", 0}}})},
       {"left_out", json::array({{{"object", "cart"},
                                  {"answer", "inside"},
                                  {"clearance", -1},
@@ -86,18 +86,19 @@ json fence_answer() {
 
 json nearest_answer() {
   const json near{{"object", "door_1"}, {"answer", "outside"},        {"clearance", 0.5}, {"error", 0},
-                  {"told", true},       {"since_ns", 90'000'000'000}, {"episode", 3},     {"doubt", ""}};
-  return {{"nearest", "escape"},
-          {"to", "guest"},
+                  {"reported", true},   {"since_ns", 90'000'000'000}, {"episode", 3},     {"doubt", ""}};
+  return {{"name", "escape"},
+          {"form", "nearest"},
           {"only", "door_*"},
           {"skip", "door_3"},
           {"mask", 4294967295u},
+          {"keep", true},
+          {"to", "guest"},
           {"within", 20},
           {"hysteresis", 0.1},
-          {"keep", true},
           {"placed", true},
           {"looked_at", 3},
-          {"is", json::array({near})},
+          {"holds", json::array({near})},
           {"others", json::array({{{"object", "door_2"}, {"answer", "outside"}, {"clearance", 4}, {"error", 0}},
                                   {{"object", "door_9"}, {"answer", "outside"}, {"clearance", 30}, {"error", 0}}})},
           {"left_out", json::array({{{"object", "door_3"},
@@ -162,11 +163,11 @@ class ExplainVerb : public testing::Test {
   std::optional<Error> refusal;
 };
 
-TEST_F(ExplainVerb, TheNearestIsToldWithWhatComesNextAndWhatWouldBeNearer) {
+TEST_F(ExplainVerb, TheNearestIsReportedWithWhatComesNextAndWhatWouldBeNearer) {
   answer = nearest_answer();
   const Ran ran = at_terminal("explain nearest escape --why-not door_4 --most 5");
   EXPECT_EQ(ran.code, 0) << ran.err;
-  EXPECT_EQ(asked.at("nearest"), "escape");
+  EXPECT_EQ(asked.at("standing"), "escape");
   EXPECT_EQ(asked.at("why_not"), "door_4");
   EXPECT_EQ(asked.at("most"), 5);
   for (const char* line :
@@ -176,8 +177,13 @@ TEST_F(ExplainVerb, TheNearestIsToldWithWhatComesNextAndWhatWouldBeNearer) {
         "  left out door_3  0.25 m away; the question leaves 'door_3' out\n",
         "  cut      2 searches ended at their limit"})
     EXPECT_NE(ran.out.find(line), std::string::npos) << line << ran.out;
-  EXPECT_EQ(collide("explain nearest escape --plain").out, "escape\tguest\tdoor_*\t20\ttrue\t3\tdoor_1\t0.5\t0\t2\t\n");
-  answer["is"] = json::array();
+  EXPECT_EQ(collide("explain nearest escape --plain").out,
+            "escape\tnearest\t\tguest\ttrue\t3\t1\tdoor_1\t0.5\t0\t2\t\n");
+  answer["holds"] = json::array();
+  answer.erase("cut_short");
+  const json record = json::parse(collide("explain nearest escape --json").out);
+  EXPECT_EQ(record.at("cut_short"), 0);
+  EXPECT_EQ(record.value("object", json()), json());
   EXPECT_EQ(at_terminal("explain nearest escape").out.find("escape: nothing is nearest"), 0u);
   EXPECT_EQ(collide("explain nearest").code, 2);
   EXPECT_EQ(collide("explain nearest escape --recording run.mcap").code, 2);
@@ -191,7 +197,7 @@ TEST_F(ExplainVerb, PlainOutputHasNoLists) {
   EXPECT_EQ(ray, "hit\t\tcrate\t3.8\t1e-15\tdouble\t5\t3\t1\t\t\n");
   answer = fence_answer();
   const std::string fence = collide("explain fence dock --plain").out;
-  EXPECT_EQ(fence, "dock\tbox\t\ttrue\t2\t1\t\n");
+  EXPECT_EQ(fence, "dock\tregion\tbox\t\ttrue\t2\t1\t\t\t\t\t\n");
   answer = event_answer();
   const std::string event = collide("explain event 881 --plain").out;
   EXPECT_EQ(fields_of(event), 11) << event;
@@ -253,14 +259,22 @@ TEST_F(ExplainVerb, AFencesExplanationReadsAsLines) {
   answer = fence_answer();
   EXPECT_EQ(at_terminal("explain fence dock --why-not crate").out,
             "dock: a box, 1 in it\n"
-            "  looks at 'forklift*': 2 now; tells enter, exit\n"
+            "  looks at 'forklift*': 2 now; reports enter, exit\n"
             "  inside   forklift_1  0.25 m deep  since 90.000\n"
             "  outside  forklift_2  1.5 m away\n"
             "  left out cart  1 m deep; the fence looks at 'forklift*' alone\n"
             "  event    90.000 enter forklift_1  seq 3\n");
-  EXPECT_EQ(asked.at("fence"), "dock");
+  EXPECT_EQ(asked.at("standing"), "dock");
   EXPECT_EQ(asked.at("why_not"), "crate");
-  EXPECT_EQ(json::parse(collide("explain fence dock --json").out).at("inside")[0].at("clearance"), -0.25);
+  EXPECT_EQ(json::parse(collide("explain fence dock --json").out).at("holds")[0].at("clearance"), -0.25);
+}
+
+// The name decides what is explained, not the word before it.
+TEST_F(ExplainVerb, AQuestionOfTheOtherFormIsExplainedAsWhatItIs) {
+  answer = nearest_answer();
+  EXPECT_EQ(at_terminal("explain fence escape").out.find("escape: door_1 is nearest\n"), 0u);
+  answer = fence_answer();
+  EXPECT_EQ(at_terminal("explain nearest dock").out.find("dock: a box, 1 in it\n"), 0u);
 }
 
 TEST_F(ExplainVerb, AnEventsExplanationReadsAsLines) {
@@ -274,30 +288,30 @@ TEST_F(ExplainVerb, AnEventsExplanationReadsAsLines) {
             "  object   tower: where it was then is not remembered\n");
   EXPECT_EQ(asked.at("event"), 881);
   EXPECT_FALSE(asked.contains("of"));
-  EXPECT_EQ(collide("explain event 881 --of fences --json").code, 0);
-  EXPECT_EQ(asked.at("of"), "fences");
+  EXPECT_EQ(collide("explain event 881 --of standing --json").code, 0);
+  EXPECT_EQ(asked.at("of"), "standing");
 }
 
 TEST_F(ExplainVerb, WhatIsReadIsWrittenAgainAsItWas) {
   EXPECT_EQ(json_of(from_json<ExplainedRay>(ray_answer())), ray_answer());
-  EXPECT_EQ(json_of(from_json<ExplainedFence>(fence_answer())), fence_answer());
-  EXPECT_EQ(json_of(from_json<ExplainedNearest>(nearest_answer())), nearest_answer());
+  EXPECT_EQ(json_of(from_json<ExplainedStanding>(fence_answer())), fence_answer());
+  EXPECT_EQ(json_of(from_json<ExplainedStanding>(nearest_answer())), nearest_answer());
   EXPECT_EQ(json_of(from_json<ExplainedEvent>(event_answer())), event_answer());
 }
 
 TEST_F(ExplainVerb, AnAnswerThatDoesNotFitIsNamedByThePlace) {
   const auto fault_of = [](const json& wrong) {
     try {
-      from_json<ExplainedFence>(wrong);
+      from_json<ExplainedStanding>(wrong);
     } catch (const json::exception& unfit) { return std::string(unfit.what()); }
     return std::string();
   };
   json wrong = fence_answer();
-  wrong["inside"][0].erase("clearance");
-  EXPECT_NE(fault_of(wrong).find("inside/0/clearance is missing"), std::string::npos) << fault_of(wrong);
-  wrong["inside"][0]["clearance"] = "far";
-  EXPECT_NE(fault_of(wrong).find("inside/0/clearance is not a number"), std::string::npos) << fault_of(wrong);
-  wrong["inside"][0]["clearance"] = "inf";
+  wrong["holds"][0].erase("clearance");
+  EXPECT_NE(fault_of(wrong).find("holds/0/clearance is missing"), std::string::npos) << fault_of(wrong);
+  wrong["holds"][0]["clearance"] = "far";
+  EXPECT_NE(fault_of(wrong).find("holds/0/clearance is not a number"), std::string::npos) << fault_of(wrong);
+  wrong["holds"][0]["clearance"] = "inf";
   wrong["left_out"][0]["answer"] = "somewhere";
   EXPECT_NE(fault_of(wrong).find("left_out/0/answer is a word"), std::string::npos) << fault_of(wrong);
 }

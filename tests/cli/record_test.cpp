@@ -2,6 +2,8 @@
 
 #include <nlohmann/json.hpp>
 
+#include "idl/answers/standing.hpp"
+#include "idl/described_json.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 #include "tests/cli/terminal.hpp"
 
@@ -38,20 +40,25 @@ TEST_F(Record, SaysWhatWasRecordedAndWhatWasLost) {
             "{\"file\":\"run.mcap\",\"topic\":\"probe\",\"samples\":0,\"lost\":0}\n");
 }
 
-// Where fences stand is asked and written beside the topics, once there are any.
-TEST_F(Record, FencesAreWrittenAsTheyAreDrawn) {
-  fake::server().command = [](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
+// What regions hold and where they are is asked and written beside the topics, once there are any.
+TEST_F(Record, StandingQuestionsAreWrittenAsTheyAreDrawn) {
+  OutlinedStanding zone;
+  zone.name = "zone";
+  zone.kind = "sphere";
+  zone.to = "person";
+  zone.only = "robot*";
+  zone.lines = {{0, 0, 0, 1, 0, 0}};
+  fake::server().command = [&](const std::string& name, const nlohmann::json&, const Shape&) -> Result<std::string> {
     if (name == "get") return std::string(R"({"pose":[5,0,0,1,0,0,0]})");
-    return std::string(R"({"fences":[{"fence":"zone","id":7,"kind":"sphere","to":"person","only":"robot*","inside":[],
-      "in_doubt":[],"lines":[[0,0,0,1,0,0]]}]})");
+    return nlohmann::json{{"standing", json_of(std::vector{zone})}}.dump();
   };
   EXPECT_EQ(collide("record run.mcap --for 10ms").code, 0);
   const auto& written = fake::server().own_messages;
   ASSERT_EQ(written.size(), 2U);
-  EXPECT_EQ(written[0].first, "collided/fences");
-  const nlohmann::json listed = nlohmann::json::parse(written[0].second)["fences"][0];
+  EXPECT_EQ(written[0].first, "collided/standing");
+  const nlohmann::json listed = nlohmann::json::parse(written[0].second)["standing"][0];
   EXPECT_EQ(listed["to"], "person");
-  EXPECT_EQ(listed["definition"]["only"], "robot*");
+  EXPECT_EQ(listed["only"], "robot*");
   EXPECT_EQ(listed["lines"], nlohmann::json::parse("[[0,0,0,1,0,0]]")) << "in its carrier's frame";
   EXPECT_EQ(written[1].first, "/fences");
   const nlohmann::json drawn = nlohmann::json::parse(written[1].second)["entities"][0];
@@ -60,7 +67,7 @@ TEST_F(Record, FencesAreWrittenAsTheyAreDrawn) {
 
   fake::reset();
   fake::server().command = [](const std::string&, const nlohmann::json&, const Shape&) -> Result<std::string> {
-    return std::string(R"({"fences":[]})");
+    return std::string(R"({"standing":[]})");
   };
   EXPECT_EQ(collide("record run.mcap --for 10ms").code, 0);
   EXPECT_TRUE(fake::server().own_messages.empty());
@@ -87,11 +94,12 @@ TEST_F(Record, TheLastSecondsAreFetched) {
 TEST_F(Replay, SaysWhatWasPublished) {
   ReplayReport report;
   report.samples = 18'412;
+  report.standing = 2;
   report.warnings = {"scene 'hall' was loaded then and is not now"};
   fake::server().replays = {report};
   const Ran ran = at_terminal("replay run.mcap --rate 0.5");
   EXPECT_EQ(ran.code, 0);
-  EXPECT_EQ(ran.out, "replayed 18 412 samples\n");
+  EXPECT_EQ(ran.out, "replayed 18 412 samples, 2 standing questions made again\n");
   EXPECT_EQ(ran.err, "warning: scene 'hall' was loaded then and is not now\n");
   EXPECT_EQ(fake::server().replayed_with.rate, 0.5);
   EXPECT_FALSE(fake::server().replayed_with.ask);

@@ -1,4 +1,4 @@
-#include "client/cli/fleet/shard_planning.hpp"
+#include "client/cli/programs/fleet/shard_planning.hpp"
 
 #include <algorithm>
 #include <array>

@@ -5,6 +5,11 @@
 #include <string>
 #include <vector>
 
+#include "client/cli/command.hpp"
+
+/// All verbs in this process, those that `collide` leaves to programs of their own as well.
+const collided::cli::OwnParts& every_wing();
+
 /// One run of the program: what it printed and how it ended.
 struct Ran {
   int code = 0;

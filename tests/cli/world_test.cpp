@@ -185,8 +185,12 @@ TEST_F(World, AGlobInBracketsArrivesWhole) {
 TEST_F(World, PlanSaysWhy) {
   replies["plan"] = {
       {"structures", {{{"structure", "grid"}, {"built", false}, {"why", "nothing moves"}, {"saves", "2 MB"}}}},
-      {"pairs", {{{"a", "sphere"}, {"b", "box"}, {"how", "closed form"}}}}};
-  EXPECT_EQ(at_terminal("plan").out, "left out  grid: nothing moves; saves 2 MB\n");
+      {"pairs", {{{"a", "sphere"}, {"b", "box"}, {"how", "closed form"}}}},
+      {"wings", {{{"name", "fleet"}, {"in_use", true}}, {{"name", "keys"}, {"in_use", false}}}}};
+  EXPECT_EQ(at_terminal("plan").out,
+            "left out  grid: nothing moves; saves 2 MB\n"
+            "wings     fleet (in use), keys\n");
+  EXPECT_EQ(collide("plan --wings").out, "fleet\ttrue\nkeys\tfalse\n");
   EXPECT_EQ(collide("plan --pairs").out, "sphere\tbox\tclosed form\n");
 }
 

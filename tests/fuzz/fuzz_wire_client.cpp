@@ -5,10 +5,12 @@
 
 #include "client/library/asking/answer_decoding.hpp"
 #include "client/library/recordings/asked_again.hpp"
+#include "client/library/watching/standing_news.hpp"
 #include "client/library/watching/watch_decoding.hpp"
 #include "tests/fuzz/framed.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/service/wire/rows.hpp"
+#include "tests/service/wire/standing_messages.hpp"
 
 // What a server, or whoever speaks like one, may send to a client: replies, and everything that a watch hears. Nothing of it
 // makes a watch tell of an end without a beginning.
@@ -21,12 +23,14 @@ class Listener {
  public:
   void hear(std::uint8_t kind, std::span<const std::byte> bytes) {
     now_ += std::chrono::milliseconds(kind >= 128 ? 400 : 1);
-    switch (kind % 5) {
+    switch (kind % 7) {
       case 0: return hear_frame(bytes, false);
       case 1: return hear_frame(bytes, true);
       case 2: return hear_shard(bytes);
       case 3: return hear_status(bytes);
-      default: return hear_reply(bytes);
+      case 4: return hear_reply(bytes);
+      case 5: return hear_standing_frame(bytes);
+      default: return hear_standing_shard(bytes);
     }
   }
 
@@ -57,6 +61,23 @@ class Listener {
     static_cast<void>(answers.add(*reply));
     static_cast<void>(answers.take());
   }
+  void hear_standing_frame(std::span<const std::byte> bytes) {
+    dds::Sample<wire::StandingFrame> frame;
+    if (!wire::read_cdr(bytes, frame)) return;
+    if (const auto heard = client::decode(*frame, names_)) standing_.hear(*heard, now_);
+  }
+  void hear_standing_shard(std::span<const std::byte> bytes) {
+    dds::Sample<wire::StandingShard> shard;
+    if (!wire::read_cdr(bytes, shard)) return;
+    if (const auto sum = client::bookmark_in(*shard)) return standing_.hear(*sum, now_);
+    if (const auto heard = client::decode(*shard, names_)) standing_.hear(*heard, now_);
+  }
+  void emit(const client::StandingNews& news) {
+    static_cast<void>(client::event_of(news));
+    const client::StandingNames names = client::names_of(news);
+    if (news.kind == EventKind::ended) fuzz::require(holds_.erase(names) == 1, "what ends held");
+    else fuzz::require(holds_.insert(names).second, "nothing begins twice to hold");
+  }
   void emit(const Event& event) {
     // Numbers of objects belong to one life of a server, names outlive it.
     const std::pair<std::string, std::string> pair = std::minmax(event.a, event.b);
@@ -69,11 +90,38 @@ class Listener {
 
   client::Clock::time_point now_{std::chrono::milliseconds(1'000)};
   std::set<std::pair<std::string, std::string>> open_;
+  std::set<client::StandingNames> holds_;
   client::Names names_;
   client::ServerPulse pulse_;
   client::WatchState state_{[this](const Event& event) { emit(event); }};
+  client::WatchStateOf<client::StandingNews> standing_{[this](const client::StandingNews& news) { emit(news); }};
   client::AnswerCollector collector_{5, 1'000, names_};
 };
+
+/// One comes in, crosses, is the nearest and gives way to another, and then the state and its sum.
+std::string standing_seed() {
+  using Kind = StandingEventKind;
+  constexpr std::uint64_t kDock = test::standing_id(1), kNext = test::standing_id(2), kGap = test::standing_id(3);
+  const test::StandingServer server{
+      .names = {{1, "drone"}, {2, "crate"}, {kDock, "dock"}, {kNext, "next"}, {kGap, "gap"}}};
+  auto frame = server.frame(1'000, 1,
+                            {{.kind = Kind::enter, .standing = kDock, .object = 1, .episode = 1},
+                             {.kind = Kind::cross, .standing = kDock, .object = 2, .episode = 2},
+                             {.kind = Kind::changed, .standing = kNext, .object = 1},
+                             {.kind = Kind::changed, .standing = kNext, .object = 2, .other = 1, .episode = 3},
+                             {.kind = Kind::near, .standing = kGap, .object = 1, .other = 2, .episode = 5, .band_m = 2},
+                             {.kind = Kind::exit, .standing = kDock, .object = 1, .episode = 1}});
+  const std::vector<test::StandingStay> next{
+      {.form = StandingForm::nearest, .standing = kNext, .object = 2, .episode = 4}};
+  auto shard = server.shard(2'000, wire_contract::contact_shard(2, kNext), 6, next);
+  auto sum = server.sum(2'000, 6, next);
+  std::string seed;
+  fuzz::append_frame(seed, 6, sum.message());
+  fuzz::append_frame(seed, 5, frame.message());
+  fuzz::append_frame(seed, 6, shard.message());
+  fuzz::append_frame(seed, 132, sum.message());
+  return seed;
+}
 
 }  // namespace
 
@@ -162,8 +210,13 @@ std::vector<std::string> fuzz_seeds() {
   dds::borrow(frame->kinds, ended);
   dds::borrow(frame->reasons, separated);
   fuzz::append_frame(whole, 0, *frame);
-  fuzz::append_frame(late, 128, *frame);
+  fuzz::append_frame(late, 133, *frame);  // of kind 0, after a while
   std::string answer;
   fuzz::append_frame(answer, 4, *reply);
-  return {whole, late, whole + late, answer};
+  // It names a question that reaches out of the known space, and not where.
+  std::string cut;
+  const std::vector<std::uint32_t> first{0};
+  dds::borrow(reply->uncovered_questions, first);
+  fuzz::append_frame(cut, 4, *reply);
+  return {whole, late, whole + late, answer, cut, standing_seed()};
 }

@@ -36,9 +36,8 @@ inline const std::vector<Way>& ways() {
                           {&kPersistedTopic, &collided_wire_v2_EventFrame_desc, ""},
                           {&kContactTopic, &collided_wire_v2_ContactShard_desc, ""},
                           {&kProbeTopic, &collided_wire_v2_ProbeFrame_desc, ""},
-                          {&kFenceEventTopic, &collided_wire_v2_EventFrame_desc, ""},
-                          {&kFenceStateTopic, &collided_wire_v2_ContactShard_desc, ""},
-                          {&kFenceStatusTopic, &collided_wire_v2_Status_desc, ""}};
+                          {&kStandingEventTopic, &collided_wire_v2_StandingFrame_desc, ""},
+                          {&kStandingStateTopic, &collided_wire_v2_StandingShard_desc, ""}};
     for (const QueryRight right : kQueryRights)
       made.push_back({&kQueryTopic, &collided_wire_v2_Query_desc, name_of(right)});
     return made;

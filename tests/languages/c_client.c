@@ -1,5 +1,5 @@
-/* A C89 program that does what the header offers: asks, adds, publishes, watches by polling and by callback, sets fences
- * and margins, and turns scans into voxels.
+/* A C89 program that does what the header offers: asks, adds, publishes, watches by polling and by callback, adds
+ * standing questions, and turns scans into voxels.
  * usage: c_client DOMAIN */
 #define _POSIX_C_SOURCE 199309L /* nanosleep */
 #include <math.h>
@@ -247,23 +247,26 @@ static void groups(collided_client* client) {
   must(collided_remove(client, "c_*", NULL, &error), &error, "remove");
 }
 
-/* The next event of a watch, or the end of the test where none comes. */
-static void next_fence_event(collided_fence_watch* watch, collided_fence_event* event) {
+/* The next event of a standing question, or the end of the test if none comes. */
+static void next_standing_event(collided_standing_watch* watch, collided_standing_event* event) {
   collided_error error;
   int i, code = COLLIDED_NOTHING;
   error.size = sizeof error;
   event->size = sizeof *event;
-  for (i = 0; i < 100 && code == COLLIDED_NOTHING; ++i) code = collided_fence_watch_next(watch, 100000000, event, &error);
-  must(code, &error, "an event of a fence");
+  for (i = 0; i < 200 && code == COLLIDED_NOTHING; ++i)
+    code = collided_standing_watch_next(watch, 100000000, event, &error);
+  must(code, &error, "an event of a standing question");
 }
 
-static void next_margin_event(collided_margin_watch* watch, collided_margin_event* event) {
+/* Until then what is reported may have held before. */
+static void await_in_step(collided_standing_watch* watch) {
   collided_error error;
-  int i, code = COLLIDED_NOTHING;
+  collided_standing_event event;
+  int i;
   error.size = sizeof error;
-  event->size = sizeof *event;
-  for (i = 0; i < 100 && code == COLLIDED_NOTHING; ++i) code = collided_margin_watch_next(watch, 100000000, event, &error);
-  must(code, &error, "an event of a margin");
+  event.size = sizeof event;
+  for (i = 0; i < 500 && !collided_standing_watch_in_step(watch); ++i)
+    collided_standing_watch_next(watch, 10000000, &event, &error);
 }
 
 /* A while after the last one: it is on its way for so long. */
@@ -283,40 +286,41 @@ static void move_to(collided_publisher* publisher, uint32_t handle, double x) {
 }
 
 /* A ball of 0.2 m goes into a box of 2 m about (600 0 0) and out, and through it between two poses. */
-static void fences(collided_client* client) {
+static void regions(collided_client* client) {
   collided_error error;
   collided_part part;
-  collided_fence fence;
+  collided_standing region;
   collided_object object;
-  collided_fence_event event;
-  collided_fence_watch* watch = NULL;
+  collided_standing_event event;
+  collided_standing_watch* watch = NULL;
   collided_publisher* publisher = NULL;
   uint32_t ball;
   uint64_t removed = 0, entered;
-  int i;
   error.size = sizeof error;
-  event.size = sizeof event;
   memset(&part, 0, sizeof part);
   part.size = sizeof part;
   part.kind = COLLIDED_BOX;
   part.numbers[0] = part.numbers[1] = part.numbers[2] = 1;
   part.numbers[3] = 600;
   part.numbers[6] = 1;
-  memset(&fence, 0, sizeof fence);
-  fence.size = sizeof fence;
-  fence.name = "c_dock";
-  fence.parts = &part;
-  fence.part_count = 1;
-  fence.only = "c_*";
-  must(collided_fence_add(client, &fence, &error), &error, "add a fence");
-  expect(collided_fence_add(client, &fence, &error) == COLLIDED_REFUSED, "one fence of a name");
-  fence.name = "c_nothing";
-  fence.part_count = 0;
-  expect(collided_fence_add(client, &fence, &error) != COLLIDED_OK, "no region");
-  must(collided_fence_watch_start(client, "c_dock", NULL, &watch, &error), &error, "watch a fence");
-  /* Until then what is told counts as there from before. */
-  for (i = 0; i < 500 && !collided_fence_watch_in_step(watch); ++i)
-    collided_fence_watch_next(watch, 10000000, &event, &error);
+  memset(&region, 0, sizeof region);
+  region.size = sizeof region;
+  region.form = COLLIDED_FORM_REGION;
+  region.name = "c_dock";
+  region.parts = &part;
+  region.part_count = 1;
+  region.only = "c_*";
+  must(collided_standing_add(client, &region, NULL, &error), &error, "add a region");
+  expect(collided_standing_add(client, &region, NULL, &error) == COLLIDED_REFUSED, "one question of a name");
+  region.name = "c_nothing";
+  region.part_count = 0;
+  expect(collided_standing_add(client, &region, NULL, &error) != COLLIDED_OK, "no region");
+  region.form = 3;
+  expect(collided_standing_add(client, &region, NULL, &error) == COLLIDED_BAD_INPUT, "no such form");
+  expect(collided_standing_watch_start(client, NULL, NULL, 3, &watch, &error) == COLLIDED_BAD_INPUT && watch == NULL,
+         "no watch of such a form");
+  must(collided_standing_watch_start(client, "c_dock", NULL, COLLIDED_FORM_REGION, &watch, &error), &error, "watch a region");
+  await_in_step(watch);
 
   must(collided_publish(client, "c_driver", &publisher, &error), &error, "publish");
   part.kind = COLLIDED_SPHERE;
@@ -330,57 +334,62 @@ static void fences(collided_client* client) {
   must(collided_publisher_add(publisher, &object, &ball, &error), &error, "add a ball");
   must(collided_publisher_flush(publisher, 0, NULL, &error), &error, "flush");
   move_to(publisher, ball, 600);
-  next_fence_event(watch, &event);
+  next_standing_event(watch, &event);
   entered = event.sequence;
-  expect(event.kind == 1 && !strcmp(event.object, "c_cart") && !strcmp(event.fence, "c_dock"), "it enters");
+  expect(event.kind == COLLIDED_STANDING_ENTER && event.form == COLLIDED_FORM_REGION && !strcmp(event.object, "c_cart") &&
+             !strcmp(event.standing, "c_dock"),
+         "it enters");
   expect(event.doubt == 0 && event.bracket_low_s >= event.bracket_high_s, "with a bracket");
   expect(fabs(event.point[0] - 599) < 1e-3, "at the side it came from");
   move_to(publisher, ball, 603);
-  next_fence_event(watch, &event);
-  expect(event.kind == 2 && event.episode == entered, "it exits what it entered");
+  next_standing_event(watch, &event);
+  expect(event.kind == COLLIDED_STANDING_EXIT && event.episode == entered, "it exits what it entered");
   move_to(publisher, ball, 597);
-  next_fence_event(watch, &event);
-  expect(event.kind == 3 && event.left_low_s < event.bracket_low_s, "it crosses between two poses");
-  expect(collided_fence_watch_lost(watch) == 0 && collided_fence_watch_in_step(watch) == 1, "nothing is lost");
+  next_standing_event(watch, &event);
+  expect(event.kind == COLLIDED_STANDING_CROSS && event.left_low_s < event.bracket_low_s, "it crosses between two poses");
+  expect(collided_standing_watch_lost(watch) == 0 && collided_standing_watch_in_step(watch) == 1, "nothing is lost");
   event.size = sizeof event;
-  expect(collided_fence_watch_next(watch, 1000000, &event, &error) == COLLIDED_NOTHING, "no more of it");
-  collided_fence_watch_close(watch);
+  expect(collided_standing_watch_next(watch, 1000000, &event, &error) == COLLIDED_NOTHING, "no more of it");
+  collided_standing_watch_close(watch);
   collided_publisher_close(publisher);
-  must(collided_fence_remove(client, "c_d*", &removed, &error), &error, "remove a fence");
-  expect(removed == 1, "one fence removed");
+  must(collided_standing_remove(client, "c_d*", COLLIDED_FORM_BANDS, &removed, &error), &error, "remove bands");
+  expect(removed == 0, "a region has no bands");
+  must(collided_standing_remove(client, "c_d*", COLLIDED_FORM_REGION, &removed, &error), &error, "remove a region");
+  expect(removed == 1, "one region removed");
 }
 
 /* Bands of 2 m and 1 m about a ball: another one comes near, touches it, and goes. */
-static void margins(collided_client* client) {
-  static const double bands[2] = {2, 1};
+static void bands(collided_client* client) {
+  static const double falling[2] = {2, 1};
   static const double rising[2] = {1, 2};
-  static const int kinds[6] = {1, 2, 3, 4, 4, 4};
+  static const int kinds[6] = {COLLIDED_STANDING_APPROACH, COLLIDED_STANDING_NEAR,  COLLIDED_STANDING_CONTACT,
+                               COLLIDED_STANDING_LEAVE,    COLLIDED_STANDING_LEAVE, COLLIDED_STANDING_LEAVE};
   static const double at_band[6] = {2, 1, 0, 0, 1, 2};
   collided_error error;
   collided_part part;
   collided_object object;
-  collided_margin margin;
-  collided_margin_event event;
-  collided_margin_watch* watch = NULL;
+  collided_standing asked;
+  collided_standing_event event;
+  collided_standing_watch* watch = NULL;
   collided_publisher* publisher = NULL;
   uint32_t post, drone;
-  uint64_t removed = 0;
+  uint64_t removed = 0, parts = 7;
   int i, seen = 0;
   error.size = sizeof error;
-  memset(&margin, 0, sizeof margin);
-  margin.size = sizeof margin;
-  margin.name = "c_close";
-  margin.around = "c_post";
-  margin.only = "c_drone";
-  margin.bands_m = rising;
-  margin.band_count = 2;
-  expect(collided_margin_add(client, &margin, &error) != COLLIDED_OK, "bands come the widest first");
-  margin.bands_m = bands;
-  must(collided_margin_add(client, &margin, &error), &error, "add a margin");
-  must(collided_margin_watch_start(client, NULL, NULL, &watch, &error), &error, "watch a margin");
-  event.size = sizeof event;
-  for (i = 0; i < 500 && !collided_margin_watch_in_step(watch); ++i)
-    collided_margin_watch_next(watch, 10000000, &event, &error);
+  memset(&asked, 0, sizeof asked);
+  asked.size = sizeof asked;
+  asked.form = COLLIDED_FORM_BANDS;
+  asked.name = "c_close";
+  asked.around = "c_post";
+  asked.only = "c_drone";
+  asked.bands_m = rising;
+  asked.band_count = 2;
+  expect(collided_standing_add(client, &asked, NULL, &error) != COLLIDED_OK, "bands come the widest first");
+  asked.bands_m = falling;
+  must(collided_standing_add(client, &asked, &parts, &error), &error, "add bands");
+  expect(parts == 0, "no part of a scene is meant");
+  must(collided_standing_watch_start(client, NULL, NULL, COLLIDED_FORM_BANDS, &watch, &error), &error, "watch bands");
+  await_in_step(watch);
 
   must(collided_publish(client, "c_pilot", &publisher, &error), &error, "publish");
   memset(&part, 0, sizeof part);
@@ -398,25 +407,27 @@ static void margins(collided_client* client) {
   must(collided_publisher_add(publisher, &object, &drone, &error), &error, "add another");
   must(collided_publisher_flush(publisher, 0, NULL, &error), &error, "flush");
   move_to(publisher, drone, 652.75);
-  next_margin_event(watch, &event);
-  expect(event.kind == 1 && event.band_m == 2 && !strcmp(event.margin, "c_close"), "the widest band");
-  expect(!strcmp(event.object, "c_drone") && !strcmp(event.around, "c_post"), "who comes near whom");
+  next_standing_event(watch, &event);
+  expect(event.kind == COLLIDED_STANDING_APPROACH && event.form == COLLIDED_FORM_BANDS && event.band_m == 2 &&
+             !strcmp(event.standing, "c_close"),
+         "the widest band");
+  expect(!strcmp(event.object, "c_drone") && !strcmp(event.other, "c_post"), "what comes near what");
   expect(fabs(event.distance_m - 2) <= event.distance_error_m + 1e-6 && event.closing_mps > 0, "how near, how fast");
   expect(event.has_contact_in == 1 && event.contact_in_low_s <= event.contact_in_high_s, "and when they would touch");
   move_to(publisher, drone, 650.5);
   move_to(publisher, drone, 660);
   for (i = 1; i < 6; ++i) {
-    next_margin_event(watch, &event);
-    expect(event.kind == kinds[i] || event.kind == 4, "an order of events");
+    next_standing_event(watch, &event);
+    expect(event.kind == kinds[i] || event.kind == COLLIDED_STANDING_LEAVE, "an order of events");
     seen += event.kind == kinds[i];
-    if (event.kind < 4) expect(event.band_m == at_band[i], "band after band");
+    if (event.kind != COLLIDED_STANDING_LEAVE) expect(event.band_m == at_band[i], "band after band");
   }
   expect(seen == 5, "near, contact, and out of each band");
-  expect(collided_margin_watch_lost(watch) == 0, "nothing is lost");
-  collided_margin_watch_close(watch);
+  expect(collided_standing_watch_lost(watch) == 0, "nothing is lost");
+  collided_standing_watch_close(watch);
   collided_publisher_close(publisher);
-  must(collided_margin_remove(client, "c_close", &removed, &error), &error, "remove a margin");
-  expect(removed == 1, "one margin removed");
+  must(collided_standing_remove(client, "c_close", COLLIDED_FORM_ANY, &removed, &error), &error, "remove bands");
+  expect(removed == 1, "one question removed");
 }
 
 /* Which of two balls is nearest to a point; one passes the other. */
@@ -424,22 +435,22 @@ static void nearest(collided_client* client) {
   collided_error error;
   collided_part part;
   collided_object object;
-  collided_nearest asked;
-  collided_nearest_event event;
-  collided_nearest_watch* watch = NULL;
+  collided_standing asked;
+  collided_standing_event event;
+  collided_standing_watch* watch = NULL;
   collided_publisher* publisher = NULL;
   uint32_t post, drone;
   uint64_t removed = 0;
-  int i, code = COLLIDED_NOTHING;
   error.size = sizeof error;
   memset(&asked, 0, sizeof asked);
   asked.size = sizeof asked;
+  asked.form = COLLIDED_FORM_NEAREST;
   asked.name = "c_first";
   asked.only = "c_near_*";
   asked.point[0] = 700;
-  expect(collided_nearest_add(client, &asked, &error) != COLLIDED_OK, "a distance is needed");
+  expect(collided_standing_add(client, &asked, NULL, &error) != COLLIDED_OK, "a distance is needed");
   asked.within_m = 50;
-  must(collided_nearest_add(client, &asked, &error), &error, "add a question for the nearest");
+  must(collided_standing_add(client, &asked, NULL, &error), &error, "add a question for the nearest");
 
   must(collided_publish(client, "c_pilot", &publisher, &error), &error, "publish");
   memset(&part, 0, sizeof part);
@@ -456,35 +467,34 @@ static void nearest(collided_client* client) {
   object.position[0] = 720;
   must(collided_publisher_add(publisher, &object, &drone, &error), &error, "add another");
   must(collided_publisher_flush(publisher, 0, NULL, &error), &error, "flush");
-  must(collided_nearest_watch_start(client, NULL, NULL, &watch, &error), &error, "watch the nearest");
-  event.size = sizeof event;
-  for (i = 0; i < 200 && code == COLLIDED_NOTHING; ++i) code = collided_nearest_watch_next(watch, 100000000, &event, &error);
-  must(code, &error, "an event of the nearest");
-  expect(!strcmp(event.nearest, "c_first") && !strcmp(event.to, "c_near_post"), "who is nearest at first");
-  for (i = 0; i < 500 && !collided_nearest_watch_in_step(watch); ++i)
-    collided_nearest_watch_next(watch, 10000000, &event, &error);
+  must(collided_standing_watch_start(client, NULL, NULL, COLLIDED_FORM_NEAREST, &watch, &error), &error, "watch the nearest");
+  next_standing_event(watch, &event);
+  expect(event.form == COLLIDED_FORM_NEAREST && !strcmp(event.standing, "c_first") && !strcmp(event.object, "c_near_post"),
+         "what is nearest at first");
+  await_in_step(watch);
   move_to(publisher, drone, 702);
-  code = COLLIDED_NOTHING;
-  for (i = 0; i < 200 && code == COLLIDED_NOTHING; ++i) code = collided_nearest_watch_next(watch, 100000000, &event, &error);
-  must(code, &error, "another event of the nearest");
-  expect(event.kind == 1 && !strcmp(event.from, "c_near_post") && !strcmp(event.to, "c_near_drone"), "from whom to whom");
+  next_standing_event(watch, &event);
+  expect(event.kind == COLLIDED_STANDING_CHANGED && !strcmp(event.other, "c_near_post") &&
+             !strcmp(event.object, "c_near_drone"),
+         "which one is nearest now, and which one was");
   expect(fabs(event.distance_m - 4.5) <= event.distance_error_m + 1e-3, "how near");
-  expect(collided_nearest_watch_lost(watch) == 0, "nothing is lost");
-  collided_nearest_watch_close(watch);
+  expect(collided_standing_watch_lost(watch) == 0, "nothing is lost");
+  collided_standing_watch_close(watch);
   collided_publisher_close(publisher);
-  must(collided_nearest_remove(client, "c_first", &removed, &error), &error, "remove a question");
+  must(collided_standing_remove(client, "c_first", COLLIDED_FORM_NEAREST, &removed, &error), &error, "remove a question");
   expect(removed == 1, "one question removed");
 }
 
-/* What the fence, the margin and the question above told, read from the server's memory of it. */
+/* What the three questions above reported, read from the server's memory of it. */
 static void recordings(collided_client* client) {
+  static const char* const names[3] = {"c_dock", "c_close", "c_first"};
+  static const int least[3] = {3, 2, 2};
   collided_error error;
   collided_recorded_options options;
   collided_recorded_about about;
-  collided_recorded_fences* recorded = NULL;
-  collided_fence_event fence;
-  collided_margin_event margin;
-  collided_nearest_event nearest;
+  collided_recorded_standing* recorded = NULL;
+  collided_standing_event event;
+  int counts[3] = {0, 0, 0};
   char* answer = NULL;
   char* path;
   size_t i, first = 0;
@@ -498,35 +508,33 @@ static void recordings(collided_client* client) {
   memset(&options, 0, sizeof options);
   options.size = sizeof options;
   options.only = "c_*";
-  must(collided_read_recorded_fences(path, &options, &recorded, &error), &error, "read it");
+  must(collided_read_recorded_standing(path, &options, &recorded, &error), &error, "read it");
   about.size = sizeof about;
-  collided_about_recorded_fences(recorded, &about);
-  expect(about.fences >= 3 && about.margins >= 2 && about.nearest >= 2, "all three are in it");
+  collided_about_recorded_standing(recorded, &about);
   expect(about.lost == 0 && about.warnings == 0 && about.begin_ns < about.end_ns, "nothing is missing");
-  fence.size = sizeof fence;
-  margin.size = sizeof margin;
-  nearest.size = sizeof nearest;
-  for (i = 0; i < about.fences; ++i) {
-    expect(collided_recorded_fence_event(recorded, i, &fence) == COLLIDED_OK, "each event of a fence");
-    if (first == 0 && !strcmp(fence.fence, "c_dock")) first = i + 1;
+  event.size = sizeof event;
+  for (i = 0; i < about.events; ++i) {
+    expect(collided_recorded_standing_event(recorded, i, &event) == COLLIDED_OK, "each event");
+    expect(event.form >= COLLIDED_FORM_REGION && event.form <= COLLIDED_FORM_NEAREST, "of one form");
+    if (event.form >= 0 && event.form < 3 && !strcmp(event.standing, names[event.form])) ++counts[event.form];
+    if (first == 0 && !strcmp(event.standing, "c_dock")) first = i + 1;
   }
-  expect(collided_recorded_fence_event(recorded, about.fences, &fence) == COLLIDED_NOTHING, "no more of them");
-  expect(first > 0 && collided_recorded_fence_event(recorded, first - 1, &fence) == COLLIDED_OK && fence.kind == 1 &&
-             !strcmp(fence.object, "c_cart"),
+  for (i = 0; i < 3; ++i) expect(counts[i] >= least[i], names[i]);
+  expect(collided_recorded_standing_event(recorded, about.events, &event) == COLLIDED_NOTHING, "no more of them");
+  expect(first > 0 && collided_recorded_standing_event(recorded, first - 1, &event) == COLLIDED_OK &&
+             event.kind == COLLIDED_STANDING_ENTER && !strcmp(event.object, "c_cart"),
          "the cart enters first");
-  expect(collided_recorded_margin_event(recorded, 0, &margin) == COLLIDED_OK && margin.margin[0] != 0, "a margin's");
-  expect(collided_recorded_nearest_event(recorded, 0, &nearest) == COLLIDED_OK && !strcmp(nearest.nearest, "c_first"), "a question's");
   expect(collided_recorded_warning(recorded, 0) == NULL, "no warning");
-  collided_free_recorded_fences(recorded);
+  collided_free_recorded_standing(recorded);
   options.from_since = COLLIDED_SINCE_END;
   options.from_ns = 1;
-  must(collided_read_recorded_fences(path, &options, &recorded, &error), &error, "read what holds at its end");
-  collided_about_recorded_fences(recorded, &about);
-  expect(about.fences == 0 && about.margins == 0 && about.nearest == 0, "nothing is left in any");
-  collided_free_recorded_fences(recorded);
+  must(collided_read_recorded_standing(path, &options, &recorded, &error), &error, "read what holds at its end");
+  collided_about_recorded_standing(recorded, &about);
+  expect(about.events == 0, "nothing is left");
+  collided_free_recorded_standing(recorded);
   options.to_since = 4;
-  expect(collided_read_recorded_fences(path, &options, &recorded, &error) == COLLIDED_BAD_INPUT && recorded == NULL, "since when");
-  expect(collided_read_recorded_fences("/nowhere.mcap", NULL, &recorded, &error) == COLLIDED_BAD_INPUT, "no file");
+  expect(collided_read_recorded_standing(path, &options, &recorded, &error) == COLLIDED_BAD_INPUT && recorded == NULL, "since when");
+  expect(collided_read_recorded_standing("/nowhere.mcap", NULL, &recorded, &error) == COLLIDED_BAD_INPUT, "no file");
   collided_free_text(answer);
 }
 
@@ -539,14 +547,14 @@ static char* explained(collided_client* client, const char* arguments) {
   return answer;
 }
 
-/* Why a ray meets the floor and neither the glass nor the mast, and what is behind a fence and an event of it. */
+/* Why a ray meets the floor and neither the glass nor the mast, and what is behind a region and an event of it. */
 static void explanations(collided_client* client) {
   static const char* const names[3] = {"c_glass", "c_floor", "c_mast"};
   static const double places[3][3] = {{900, 0, 2}, {900, 0, -0.5}, {901, 0, 2}};
   collided_error error;
   collided_part part;
   collided_object object;
-  collided_fence fence;
+  collided_standing region;
   char question[64];
   char* answer;
   const char* news;
@@ -575,26 +583,26 @@ static void explanations(collided_client* client) {
   expect(strstr(answer, "\"answer\":\"miss\"") && strstr(answer, "\"end\":\"found\""), "the pair");
   collided_free_text(answer);
 
-  memset(&fence, 0, sizeof fence);
-  fence.size = sizeof fence;
-  fence.name = "c_yard";
+  memset(&region, 0, sizeof region);
+  region.size = sizeof region;
+  region.name = "c_yard";
   part.numbers[3] = 900;
   part.numbers[4] = 20;
-  fence.parts = &part;
-  fence.part_count = 1;
-  fence.only = "c_m*";
-  must(collided_fence_add(client, &fence, &error), &error, "add a fence");
+  region.parts = &part;
+  region.part_count = 1;
+  region.only = "c_m*";
+  must(collided_standing_add(client, &region, NULL, &error), &error, "add a region");
   must(collided_move(client, "c_mast", part.numbers + 3, NULL, 0, &error), &error, "move into it");
-  answer = explained(client, "{\"fence\":\"c_yard\"}");
-  expect(strstr(answer, "\"looked_at\":1") && strstr(answer, "\"told\":true"), "the fence");
+  answer = explained(client, "{\"standing\":\"c_yard\"}");
+  expect(strstr(answer, "\"looked_at\":1") && strstr(answer, "\"reported\":true"), "the region");
   news = strstr(answer, "\"sequence\":");
-  sprintf(question, "{\"event\":%lu,\"of\":\"fences\"}", news ? strtoul(news + strlen("\"sequence\":"), NULL, 10) : 0);
+  sprintf(question, "{\"event\":%lu,\"of\":\"standing\"}", news ? strtoul(news + strlen("\"sequence\":"), NULL, 10) : 0);
   collided_free_text(answer);
   answer = explained(client, question);
   expect(strstr(answer, "\"what\":\"enter\"") && strstr(answer, "\"a\":\"c_mast\""), "the event");
   collided_free_text(answer);
-  expect(collided_command(client, "explain", "{\"fence\":\"c_none\"}", 0, &answer, &error) == COLLIDED_REFUSED, "no such fence");
-  must(collided_fence_remove(client, "c_yard", NULL, &error), &error, "remove the fence");
+  expect(collided_command(client, "explain", "{\"standing\":\"c_none\"}", 0, &answer, &error) == COLLIDED_REFUSED, "no such question");
+  must(collided_standing_remove(client, "c_yard", COLLIDED_FORM_ANY, NULL, &error), &error, "remove the region");
   for (i = 0; i < 3; ++i) must(collided_remove(client, names[i], &removed, &error), &error, "remove a box");
 }
 
@@ -680,8 +688,8 @@ int main(int count, char** words) {
   moves_and_events(client);
   refusals(client);
   groups(client);
-  fences(client);
-  margins(client);
+  regions(client);
+  bands(client);
   nearest(client);
   recordings(client);
   explanations(client);

@@ -414,7 +414,7 @@ class World(WithServer):
         finally:
             self.assertEqual(self.client.remove("py_shape*"), len(self.SHAPES))
 
-    def test_fences_and_margins_say_who_comes(self):
+    def test_regions_and_bands_report_what_comes(self):
         def events_of(watch, count):
             events = []
             until = time.monotonic() + 20
@@ -425,114 +425,118 @@ class World(WithServer):
             return events
 
         self.client.add("py_post", collided.Sphere(0.5), (500, 0, 0))
-        self.client.add_fence("py_zone", collided.Box((1, 1, 1), (503, 0, 0)), only="py_guest*", tells=("enter", "exit"))
-        self.client.add_margin("py_close", "py_post", "py_guest*", [2, 1], hysteresis=0.25)
-        with self.client.watch_fences("py_zone") as fences, self.client.watch_margins("py_close") as margins:
+        self.client.add_region("py_zone", collided.Box((1, 1, 1), (503, 0, 0)), only="py_guest*", detect=("enter", "exit"))
+        self.assertEqual(self.client.add_bands("py_close", "py_post", "py_guest*", [2, 1], hysteresis=0.25), 0)
+        with self.client.watch_standing("py_*", form="region") as region, self.client.watch_standing("py_*", form="bands") as bands:
             until = time.monotonic() + 20
-            while not (fences.in_step and margins.in_step) and time.monotonic() < until:
+            while not (region.in_step and bands.in_step) and time.monotonic() < until:
                 time.sleep(0.01)
             self.client.add("py_guest", collided.Sphere(0.5), (510, 0, 0))
             self.client.move("py_guest", (502.5, 0, 0))
-            self.assertEqual([fence["inside"] for fence in self.client.fences("py_zone")], [["py_guest"]])
-            self.assertEqual(self.client.margins("py_close")[0]["pairs"][0]["within"], 2)
+            listed = self.client.standing("py_*", "region")
+            self.assertEqual([(row["name"], [held["object"] for held in row["holds"]]) for row in listed], [("py_zone", ["py_guest"])])
+            self.assertEqual(listed[0]["detect"], ["enter", "exit"])
+            (held,) = self.client.standing("py_close")[0]["holds"]
+            self.assertEqual((held["object"], held["other"], held["band"]), ("py_guest", "py_post", 2))
             self.client.move("py_guest", (510, 0, 0))
-            told = events_of(fences, 2)
-            self.assertEqual([(event.kind, event.object, event.fence) for event in told],
-                             [("enter", "py_guest", "py_zone"), ("exit", "py_guest", "py_zone")])
-            self.assertEqual(told[1].reason, "separated")
-            came, left = events_of(margins, 2)
-            self.assertEqual((came.kind, came.object, came.around, came.band), ("approach", "py_guest", "py_post", 2))
+            both = events_of(region, 2)
+            self.assertEqual([(event.kind, event.form, event.object, event.standing) for event in both],
+                             [("enter", "region", "py_guest", "py_zone"), ("exit", "region", "py_guest", "py_zone")])
+            self.assertEqual(both[1].reason, "separated")
+            came, left = events_of(bands, 2)
+            self.assertEqual((came.kind, came.form, came.object, came.other, came.band), ("approach", "bands", "py_guest", "py_post", 2))
             self.assertAlmostEqual(came.distance, 2, delta=1e-3)
             self.assertGreater(came.closing, 0)
             self.assertIsNotNone(came.contact_in)
             self.assertEqual((left.kind, left.reason), ("leave", "separated"))
-            self.assertEqual(margins.lost, 0)
+            self.assertEqual(bands.lost, 0)
         for wrong in ([1, 2], [-1], [float("nan")]):
             with self.assertRaises(collided.Error):
-                self.client.add_margin("py_wrong", "a", "b", wrong)
+                self.client.add_bands("py_wrong", "a", "b", wrong)
         with self.assertRaises(collided.BadInput):
-            self.client.add_fence("py_wrong", collided.Sphere(1), tells=("enter", "leave"))
-        self.assertEqual(self.client.remove_fences("py_*"), 1)
-        self.assertEqual(self.client.remove_margins("py_*"), 1)
+            self.client.add_region("py_wrong", collided.Sphere(1), detect=("enter", "leave"))
+        for wrong in (self.client.standing, self.client.remove_standing):
+            with self.assertRaises(collided.BadInput):
+                wrong("py_*", "fence")
+        self.assertEqual(self.client.remove_standing("py_*", "region"), 1)
+        self.assertEqual(self.client.remove_standing("py_*"), 1)
         self.client.remove("py_post")
         self.client.remove("py_guest")
 
-    def test_the_nearest_is_told_from_whom_to_whom(self):
+    def test_the_nearest_is_reported_with_the_one_before(self):
         self.client.add("py_lamp_a", collided.Sphere(0.5), (500, 50, 0))
         self.client.add("py_lamp_b", collided.Sphere(0.5), (510, 50, 0))
         self.client.add("py_walker", collided.Sphere(0.5), (502, 50, 0))
         self.client.add_nearest("py_light", "py_lamp_*", "py_walker", 20)
         self.client.add_nearest("py_corner", "py_lamp_*", (511, 50, 0), 20)
-        with self.client.watch_nearest("py_light") as watch:
+        with self.client.watch_standing("py_light") as watch:
             until = time.monotonic() + 20
             while not watch.in_step and time.monotonic() < until:
                 time.sleep(0.01)
             first = watch.next(20)
-            self.assertEqual((first.kind, first.nearest, first.to), ("is", "py_light", "py_lamp_a"))
+            self.assertEqual((first.kind, first.form, first.standing, first.object), ("is", "nearest", "py_light", "py_lamp_a"))
             self.assertAlmostEqual(first.distance, 1, delta=1e-9)
             self.client.move("py_walker", (509, 50, 0))
             event = watch.next(20)
-            self.assertEqual((event.kind, event.from_object, event.to, event.reason),
+            self.assertEqual((event.kind, event.other, event.object, event.reason),
                              ("changed", "py_lamp_a", "py_lamp_b", "separated"))
             self.assertAlmostEqual(event.distance, 4, delta=1e-3)
             self.assertGreaterEqual(event.bracket[0], event.bracket[1])
             self.assertEqual(watch.lost, 0)
-        self.assertEqual({row["nearest"]: row["object"] for row in self.client.nearest_questions("py_*")},
-                         {"py_light": "py_lamp_b", "py_corner": "py_lamp_b"})
+        self.assertEqual({row["name"]: [held["object"] for held in row["holds"]] for row in self.client.standing("py_*", "nearest")},
+                         {"py_light": ["py_lamp_b"], "py_corner": ["py_lamp_b"]})
         for wrong in (0, -1, float("nan"), float("inf")):
             with self.assertRaises(collided.Error):
                 self.client.add_nearest("py_wrong", "a", "b", wrong)
         with self.assertRaises(collided.BadInput):
             self.client.add_nearest("py_wrong", "a", "", 1)
-        self.assertEqual(self.client.remove_nearest("py_*"), 2)
+        self.assertEqual(self.client.remove_standing("py_*", "nearest"), 2)
         for name in ("py_lamp_a", "py_lamp_b", "py_walker"):
             self.client.remove(name)
 
-    def test_a_recording_tells_what_the_watches_told(self):
+    def test_a_recording_has_the_events_of_the_watch(self):
         self.client.add("py_truck", collided.Sphere(0.5), (900, 0, 0))
         self.client.add("py_wall", collided.Sphere(0.5), (904, 0, 0))
         self.addCleanup(self.client.remove, "py_*")
-        self.client.add_fence("py_bay", collided.Box((1, 1, 1), (910, 0, 0)), only="py_truck")
-        self.addCleanup(self.client.remove_fences, "py_bay")
-        self.client.add_margin("py_gap", "py_wall", "py_truck", [2.0])
-        self.addCleanup(self.client.remove_margins, "py_gap")
+        self.client.add_region("py_bay", collided.Box((1, 1, 1), (910, 0, 0)), only="py_truck")
+        self.client.add_bands("py_gap", "py_wall", "py_truck", [2.0])
         self.client.add_nearest("py_who", "py_truck", (910, 0, 0), 5)
-        self.addCleanup(self.client.remove_nearest, "py_who")
-        told = {"fences": [], "margins": [], "nearest": []}
-        with self.client.watch_fences("py_bay") as fences, self.client.watch_margins("py_gap") as margins, \
-                self.client.watch_nearest("py_who") as nearest:
+        names = ("py_bay", "py_gap", "py_who")
+        for name in names:
+            self.addCleanup(self.client.remove_standing, name)
+        watched = []
+        with self.client.watch_standing("py_[bgw]*") as watch:
             until = time.monotonic() + 20
-            while not all(watch.in_step for watch in (fences, margins, nearest)) and time.monotonic() < until:
+            while not watch.in_step and time.monotonic() < until:
                 time.sleep(0.01)
             self.client.move("py_truck", (910, 0, 0))
             self.client.move("py_truck", (900, 0, 0))
-            for kind, watch, count in (("fences", fences, 2), ("margins", margins, 8), ("nearest", nearest, 2)):
-                while len(told[kind]) < count:
-                    event = watch.next(20)
-                    self.assertIsNotNone(event, (kind, told[kind]))
-                    told[kind].append(event)
-        self.assertEqual([event.kind for event in told["fences"]], ["enter", "exit"])
+            while len(watched) < 12:  # 2 of the region, 8 of the bands, 2 of the nearest
+                event = watch.next(20)
+                self.assertIsNotNone(event, watched)
+                watched.append(event)
+        of = {name: [event.kind for event in watched if event.standing == name] for name in names}
+        self.assertEqual((of["py_bay"], len(of["py_gap"]), of["py_who"]), (["enter", "exit"], 8, ["changed", "changed"]))
+        self.assertEqual([event.sequence for event in watched], sorted(event.sequence for event in watched))
         with tempfile.TemporaryDirectory() as folder:
             path = os.path.join(folder, "last.mcap")
             subprocess.run([COLLIDE, "--domain", str(DOMAIN), "record", path, "--last", "30s"], check=True, stdout=subprocess.DEVNULL)
-            recorded = collided.recorded_fence_events(path, only="py_[bgw]*")
+            recorded = collided.recorded_standing_events(path, only="py_[bgw]*")
             self.assertEqual((recorded.lost, recorded.warnings), (0, []))
             self.assertLess(recorded.begin_ns, recorded.end_ns)
-            self.assertEqual([event for event in recorded.fences if event.fence == "py_bay"], told["fences"])
-            self.assertEqual([event for event in recorded.margins if event.margin == "py_gap"], told["margins"])
-            self.assertEqual([event for event in recorded.nearest if event.nearest == "py_who"], told["nearest"])
-            self.assertEqual(collided.recorded_fence_events(path, only="py_none"),
-                             collided.RecordedFenceEvents([], [], [], recorded.begin_ns, recorded.end_ns, 0, []))
+            self.assertEqual([event for event in recorded.events if event.standing in names], watched)
+            self.assertEqual(collided.recorded_standing_events(path, only="py_none"),
+                             collided.RecordedStandingEvents([], recorded.begin_ns, recorded.end_ns, 0, []))
             # Between its coming in and its going out it was in.
-            entered, left = told["fences"]
+            entered = next(event for event in watched if event.kind == "enter")
             between = entered.world_time_ns - int(entered.bracket[1] * 1e9) + 1
-            (inside,) = collided.recorded_fence_events(path, only="py_bay", from_ns=between, to_ns=between).fences
+            (inside,) = collided.recorded_standing_events(path, only="py_bay", from_ns=between, to_ns=between).events
             self.assertEqual((inside.kind, inside.object, inside.episode), ("inside", "py_truck", entered.episode))
-            self.assertEqual(collided.recorded_fence_events(path, only="py_bay", from_ns=0, since="end").fences, [])
-            self.assertEqual(len(collided.recorded_fence_events(path, only="py_bay", from_ns=0, since="begin").fences), 2)
-            for wrong in (lambda: collided.recorded_fence_events(path, since="noon"),
-                          lambda: collided.recorded_fence_events(path, from_ns=1, to_ns=0),
-                          lambda: collided.recorded_fence_events(os.path.join(folder, "none.mcap"))):
+            self.assertEqual(collided.recorded_standing_events(path, only="py_bay", from_ns=0, since="end").events, [])
+            self.assertEqual(len(collided.recorded_standing_events(path, only="py_bay", from_ns=0, since="begin").events), 2)
+            for wrong in (lambda: collided.recorded_standing_events(path, since="noon"),
+                          lambda: collided.recorded_standing_events(path, from_ns=1, to_ns=0),
+                          lambda: collided.recorded_standing_events(os.path.join(folder, "none.mcap"))):
                 with self.assertRaises(collided.BadInput):
                     wrong()
 
@@ -563,41 +567,41 @@ class World(WithServer):
         self.assertEqual(apart.nearest.end, "found")
         self.assertLessEqual(apart.nearest.at_least, apart.nearest.distance + apart.nearest.error)
 
-        self.client.add_fence("py_yard", collided.Box((1, 1, 1), (800, 20, 2)), only="py_m*")
-        self.addCleanup(self.client.remove_fences, "py_yard")
-        with self.client.watch() as watch, self.client.watch_fences("py_yard") as fences:
+        self.client.add_region("py_yard", collided.Box((1, 1, 1), (800, 20, 2)), only="py_m*")
+        self.addCleanup(self.client.remove_standing, "py_yard")
+        with self.client.watch() as watch, self.client.watch_standing("py_yard") as yard:
             self.client.move("py_mast", (800, 20, 2))
-            entered = fences.next(20)
+            entered = yard.next(20)
             began = None
             self.client.move("py_mast", (800, 0, 0.25))
             while began is None or (began.kind, {began.a, began.b}) != ("began", {"py_mast", "py_floor"}):
                 began = watch.next(20)
                 self.assertIsNotNone(began)
-        fence = self.client.explain_fence("py_yard", why_not="py_floor")
-        self.assertEqual((fence.kind, fence.looked_at, fence.inside), ("box", 1, ()))
-        self.assertEqual([(one.object, one.verdict) for one in fence.outside], [("py_mast", Verdict.MISS)])
-        self.assertEqual(fence.asked_for.why_left_out, "the fence looks at 'py_m*' alone")
-        self.assertEqual([(news.what, news.object) for news in fence.events], [("enter", "py_mast"), ("exit", "py_mast")])
+        region = self.client.explain_standing("py_yard", why_not="py_floor")
+        self.assertEqual((region.form, region.kind, region.looked_at, region.holds), ("region", "box", 1, ()))
+        self.assertEqual([(one.object, one.verdict) for one in region.others], [("py_mast", Verdict.MISS)])
+        self.assertEqual(region.asked_for.why_left_out, "the fence looks at 'py_m*' alone")
+        self.assertEqual([(news.what, news.object) for news in region.events], [("enter", "py_mast"), ("exit", "py_mast")])
 
         event = self.client.explain_event(began.sequence)
         self.assertEqual((event.what, {event.a, event.b}), ("began", {"py_mast", "py_floor"}))
         self.assertLessEqual(event.low_ns, event.high_ns)
         self.assertEqual({body.object for body in event.bodies}, {"py_mast", "py_floor"})
-        self.assertEqual(self.client.explain_event(entered.sequence, of="fences").what, "enter")
+        self.assertEqual(self.client.explain_event(entered.sequence, of="standing").what, "enter")
         self.client.add_nearest("py_which", "py_[gf]*", "py_mast", 20)
-        self.addCleanup(self.client.remove_nearest, "py_which")
+        self.addCleanup(self.client.remove_standing, "py_which")
         until = time.monotonic() + 20
-        while True:  # it is told once all that it looks at is known
-            which = self.client.explain_nearest("py_which", why_not="py_mast")
-            if which.answer is not None or time.monotonic() > until:
+        while True:  # it is reported once all that the question looks at is known
+            which = self.client.explain_standing("py_which", why_not="py_mast")
+            if which.holds or time.monotonic() > until:
                 break
-        self.assertEqual((which.to, which.looked_at, which.cut_short, which.within), ("py_mast", 2, 0, 20))
-        self.assertEqual((which.answer.object, which.answer.verdict), ("py_floor", Verdict.HIT))
+        self.assertEqual((which.form, which.to, which.looked_at, which.cut_short, which.within), ("nearest", "py_mast", 2, 0, 20))
+        self.assertEqual([(one.object, one.verdict, one.reported) for one in which.holds], [("py_floor", Verdict.HIT, True)])
         self.assertEqual([one.object for one in which.others], ["py_glass"])
         self.assertAlmostEqual(which.others[0].clearance, 0.75, delta=which.others[0].error + 1e-9)
         self.assertEqual(which.asked_for.why_left_out, "the distances are to it")
         self.assertEqual([news.what for news in which.events], ["nearest"])
-        for refused in (lambda: self.client.explain_nearest("py_none"), lambda: self.client.explain_ray((0, 0, 0), (0, 0, 0)), lambda: self.client.explain_fence("py_none"),
+        for refused in (lambda: self.client.explain_standing("py_none"), lambda: self.client.explain_ray((0, 0, 0), (0, 0, 0)),
                         lambda: self.client.explain_pair("py_mast", "py_none"), lambda: self.client.explain_event(10**9)):
             with self.assertRaises(collided.Refused):
                 refused()

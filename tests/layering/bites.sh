@@ -18,6 +18,8 @@ plant server/world/query/near_question.cpp 'const double margin = 3 * 1e-9;' 'a 
 plant server/exact_phase/manifold.cpp 'bool is_flat(double x) { return x < 2.5e-12; }' 'a bare tolerance'
 plant server/world/step/candidates.cpp 'const double margin = 1 + 0x1p-40;' 'a bare tolerance'
 plant server/geometry/pose.cpp '#include "server/world/world.hpp"' 'server/geometry may include only'
+plant server/service/server.cpp '#include "server/fleet/fleet_place.hpp"' 'server/service may include only'
+plant server/service/options/options.cpp '#include "idl/etcd/etcd_address.hpp"' 'may not include idl/etcd'
 plant client/library/client.cpp '#include "server/geometry/pose.hpp"' 'client may include only'
 plant server/world/world.cpp '#include <dds/dds.h>' 'past its door'
 plant idl/columns.cpp 'void call(void* context);' 'a callback is a FunctionRef'
@@ -45,8 +47,8 @@ drop() {
   dropped+=("$1: uses $3 and")
 }
 dropped=()
-drop client/cli/output/fence_output.cpp '"client/cli/input/number.hpp"' format_duration
-drop server/service/commands/fence_commands.cpp '"server/world/solids/declared.hpp"' DeclaredMesh
+drop client/cli/output/standing_output.cpp '"client/cli/input/number.hpp"' format_duration
+drop server/service/commands/standing_definition.cpp '"server/world/solids/declared.hpp"' DeclaredMesh
 drop server/service/runtime/supervisor.cpp '<string_view>' std::string_view
 said=$(python3 "$copy/tests/layering/includes.py" "$copy" || true)
 for line in "${dropped[@]}"; do

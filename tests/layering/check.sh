@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # Fails on a callback passed as a function and a void* context, and on an include that runs against the arrows:
-#   geometry <- intake, broad_phase, exact_phase <- world <- service <- main;  client -> idl, never server.
+#   geometry <- intake, broad_phase, exact_phase <- world <- service <- fleet <- main;  client -> idl, never server.
 #   vcollide, the engine in a caller's process, stands beside service. programs/ stand above the rooms they use.
 # usage: check.sh REPOSITORY_ROOT [--no-format]
 set -euo pipefail
@@ -9,15 +9,20 @@ cd "${1:?repository root}"
 # A file obeys its room and, where the room has rooms of its own, that one too. "room/." is what lies in the room itself.
 declare -A may=(
   [server/geometry]="server/geometry"
-  [server/intake]="server/intake server/geometry idl/scene_tables.hpp idl/tiles_generated.h idl/unit_quaternion.hpp idl/question_rules.hpp"
+  [server/intake]="server/intake server/geometry idl/scene_tables.hpp idl/tiles_generated.h idl/unit_quaternion.hpp idl/question_rules.hpp idl/base64.hpp"
   [server/broad_phase]="server/broad_phase server/geometry"
   [server/exact_phase]="server/exact_phase server/geometry"
   [server/world]="server/world server/exact_phase server/broad_phase server/intake server/geometry collided/codes.hpp idl/glob.hpp idl/clocks.hpp idl/question_rules.hpp idl/answers/measured.hpp"
   [server/vcollide]="server/world server/exact_phase server/broad_phase server/geometry"
   [server/service]="server/service server/world server/exact_phase server/broad_phase server/intake server/geometry idl"
+  [server/fleet]="server/fleet server/service server/world server/geometry idl"
   [server/programs]="server/programs server/world server/exact_phase server/broad_phase server/intake server/geometry"
   [client]="client collided idl"
   [idl]="idl collided/codes.hpp"
+)
+# What a room may not include of what stands above: optional parts that it does not know.
+declare -A never=(
+  [server/service]="idl/etcd idl/shards"
 )
 # Which rooms of the same room: an arrow that is not here is not wanted.
 declare -A within=(
@@ -50,15 +55,15 @@ declare -A within=(
   [world/audit]=". objects solids step query"
   [service/runtime]=""
   [service/roles]="runtime"
-  [service/recording]="runtime"
+  [service/recording]="durability runtime"
   [service/events]="recording runtime"
   [service/questions]="events recording roles runtime"
-  [service/durability]="questions runtime"
-  [service/fleet]="events runtime"
-  [service/authority]="runtime"
+  [service/durability]="runtime"
   [service/ingest]="questions recording roles runtime"
   [service/commands]=". durability ingest questions roles runtime"
-  [service/options]="authority commands questions"
+  [service/options]="commands questions"
+  [fleet/authority]=""
+  [fleet/shards]=""
 )
 violations=0
 say() { echo "$1"; violations=$((violations + 1)); }
@@ -68,6 +73,9 @@ while IFS=$'\t' read -r file target; do
     allowed=no
     for prefix in ${may[$room]}; do [[ $target == "$prefix"/* || $target == "$prefix" ]] && allowed=yes; done
     [[ $allowed == yes ]] || say "$file includes \"$target\": $room may include only: ${may[$room]}"
+    for prefix in ${never[$room]:-}; do
+      [[ $target != "$prefix"/* ]] || say "$file includes \"$target\": $room may not include $prefix"
+    done
   done
   [[ $file =~ ^server/([a-z_]+/[a-z_]+)/ ]] || continue
   inner=${BASH_REMATCH[1]}
@@ -93,6 +101,8 @@ door '#include [<"]fcl/' '^server/programs/opinion/' FCL
 door '#include [<"]dds/' '^idl/dds' 'Cyclone DDS'
 door '#include [<"](flatbuffers/|idl/(scene_tables|(scene|geometry|tiles)_generated))' '^(idl/scene_tables\.hpp|server/intake/scene_file/scene_(file\.cpp|(en|de)coder\.hpp)|server/intake/tiles/tile_format\.cpp|server/service/commands/geometry_encoding\.cpp|client/library/(publishing/shape_encoding|commands/geometry_decoding)\.cpp)$' FlatBuffers
 door '#include <boost/(asio|beast)' '^client/view/web_server\.cpp$' 'Boost.Beast'
+door '#include <openssl/' '^(idl/keys/(key_module\.cpp|openssl_owners\.)|client/keys/certificates\.cpp)' OpenSSL
+door '#include <curl/' '^idl/http/http_module\.cpp$' libcurl
 door '#include <assimp/' '^server/programs/import/' Assimp
 # Who calls back takes a FunctionRef, not a function and what it is to be given.
 while IFS= read -r line; do

@@ -1,7 +1,6 @@
 #include "tests/oracle/margin_oracle.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
 #include <set>
@@ -12,21 +11,6 @@ namespace {
 constexpr mp_bitcnt_t kBits = 400;
 
 using Triple = std::array<mpq_class, 3>;
-
-Triple centre_at(const MovingBody& body, std::int64_t time_ns) {
-  std::size_t to = 1;
-  while (to + 1 < body.instants.size() && body.instants[to].time_ns < time_ns) ++to;
-  const Instant& from = body.instants[to - 1];
-  const Instant& end = body.instants[to];
-  mpq_class share(static_cast<long>(time_ns - from.time_ns), static_cast<long>(end.time_ns - from.time_ns));
-  share.canonicalize();
-  Triple centre;
-  for (int k = 0; k < 3; ++k) {
-    centre[static_cast<std::size_t>(k)] =
-        mpq_class(from.position[k]) + share * (mpq_class(end.position[k]) - mpq_class(from.position[k]));
-  }
-  return centre;
-}
 
 /// The two between two instants: the difference of their centres goes from start to end while s goes from 0 to 1.
 struct Stretch {
@@ -103,8 +87,8 @@ std::optional<Part> part_within(const Stretch& way, const mpq_class& from, const
 
 Stretch stretch_of(const MovingBody& a, const MovingBody& b, std::int64_t from_ns, std::int64_t to_ns,
                    const mpq_class& within_m) {
-  const Triple a0 = centre_at(a, from_ns), a1 = centre_at(a, to_ns), b0 = centre_at(b, from_ns),
-               b1 = centre_at(b, to_ns);
+  const Triple a0 = position_at(a, from_ns), a1 = position_at(a, to_ns), b0 = position_at(b, from_ns),
+               b1 = position_at(b, to_ns);
   Stretch way{.start = {}, .end = {}, .half = {}, .are_boxes = std::holds_alternative<Vec3>(a.form), .limit = within_m};
   for (std::size_t k = 0; k < 3; ++k) {
     way.start[k] = b0[k] - a0[k];
@@ -143,12 +127,7 @@ std::vector<Change> changes_of(const std::vector<Meeting>& within, const std::ve
 
 std::vector<Meeting> times_within(const MovingBody& a, const MovingBody& b, const mpq_class& within_m,
                                   double& closest_m) {
-  std::set<std::int64_t> times;
-  const std::int64_t first = std::max(a.instants.front().time_ns, b.instants.front().time_ns);
-  const std::int64_t last = std::min(a.instants.back().time_ns, b.instants.back().time_ns);
-  for (const MovingBody* body : {&a, &b}) {
-    for (const Instant& instant : body->instants) times.insert(std::clamp(instant.time_ns, first, last));
-  }
+  const std::set<std::int64_t> times = common_instants(a, b);
   std::vector<Meeting> found;
   for (auto to = std::next(times.begin()); to != times.end(); ++to) {
     const std::int64_t from = *std::prev(to);

@@ -1,10 +1,8 @@
 #include "tests/oracle/meeting_oracle.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <limits>
-#include <set>
 #include <utility>
 
 namespace collided::oracle {
@@ -39,18 +37,6 @@ bool are_far(const MovingBody& a, const MovingBody& b, std::int64_t from_ns, std
   const Vec3 start = roughly_at(b, from_ns) - roughly_at(a, from_ns);
   const Vec3 displacement = roughly_at(b, to_ns) - roughly_at(a, to_ns) - start;
   return start.norm() - displacement.norm() > size_m(a) + size_m(b) + kFar_m;
-}
-
-Point position_at(const MovingBody& body, std::int64_t time_ns) {
-  const auto [from, to] = piece_at(body, time_ns);
-  mpq_class share(static_cast<long>(time_ns - from.time_ns), static_cast<long>(to.time_ns - from.time_ns));
-  share.canonicalize();
-  Point at;
-  for (int k = 0; k < 3; ++k) {
-    const std::size_t axis = static_cast<std::size_t>(k);
-    at[axis] = mpq_class(from.position[k]) + share * (mpq_class(to.position[k]) - mpq_class(from.position[k]));
-  }
-  return at;
 }
 
 /// In shares of the piece; nothing: they do not touch in it.
@@ -118,14 +104,31 @@ Span touch(const MovingBody& a, const MovingBody& b, const Point& start, const P
 
 }  // namespace
 
-std::vector<Meeting> meetings(const MovingBody& a, const MovingBody& b, double& closest_m) {
-  closest_m = std::numeric_limits<double>::infinity();
+std::array<mpq_class, 3> position_at(const MovingBody& body, std::int64_t time_ns) {
+  const auto [from, to] = piece_at(body, time_ns);
+  mpq_class share(static_cast<long>(time_ns - from.time_ns), static_cast<long>(to.time_ns - from.time_ns));
+  share.canonicalize();
+  Point at;
+  for (int k = 0; k < 3; ++k) {
+    const std::size_t axis = static_cast<std::size_t>(k);
+    at[axis] = mpq_class(from.position[k]) + share * (mpq_class(to.position[k]) - mpq_class(from.position[k]));
+  }
+  return at;
+}
+
+std::set<std::int64_t> common_instants(const MovingBody& a, const MovingBody& b) {
   std::set<std::int64_t> times;
   const std::int64_t first = std::max(a.instants.front().time_ns, b.instants.front().time_ns);
   const std::int64_t last = std::min(a.instants.back().time_ns, b.instants.back().time_ns);
   for (const MovingBody* body : {&a, &b}) {
     for (const Instant& instant : body->instants) times.insert(std::clamp(instant.time_ns, first, last));
   }
+  return times;
+}
+
+std::vector<Meeting> meetings(const MovingBody& a, const MovingBody& b, double& closest_m) {
+  closest_m = std::numeric_limits<double>::infinity();
+  const std::set<std::int64_t> times = common_instants(a, b);
   std::vector<Meeting> found;
   for (auto to = std::next(times.begin()); to != times.end(); ++to) {
     const std::int64_t from = *std::prev(to);

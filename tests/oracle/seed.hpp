@@ -16,4 +16,10 @@ inline std::mt19937_64 seeded(std::uint64_t fallback) {
   return std::mt19937_64(seed);
 }
 
+/// The number of cases that this environment variable asks for, for a test's long form; else the given number.
+inline int asked(const char* variable, int fallback) {
+  const char* text = std::getenv(variable);
+  return text != nullptr ? std::atoi(text) : fallback;
+}
+
 }  // namespace collided::oracle

@@ -129,6 +129,7 @@ find "$clean/usr/lib/python3" -name __pycache__ -newer "$work/before" -prune -ex
 # The helpers run with the libraries that the packages ask for.
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$clean/tmp/one.obj"
 (in_root /usr/bin/collide check /tmp/one.obj) | grep -q '1 triangle' || fail "collide does not find collided-files"
+(in_root /usr/bin/collide view --help) | grep -q '^collide view - ' || fail "collide does not find collide-view"
 for program in "$clean"/usr/libexec/collided/*; do
   missing=$( (in_root /usr/bin/ldd "${program#"$clean"}") | grep 'not found') && fail "$program: $missing"
 done

@@ -39,6 +39,12 @@ bin/collide
 libexec/collided/collided-import
 libexec/collided/collided-handshake.so
 libexec/collided/collided-files
+libexec/collided/collide-draw
+libexec/collided/collide-fleet
+libexec/collided/collide-keys
+libexec/collided/collide-ros
+libexec/collided/collide-shell
+libexec/collided/collide-view
 lib/systemd/system/collided.service
 etc/collided/collided.toml
 share/doc/collided/examples/cyclonedds.xml
@@ -55,12 +61,14 @@ lib/python3/dist-packages/collided/__init__.py
 include/collided/vcollide.hpp
 ${lib#"$prefix"/}/cmake/Collided/CollidedConfig.cmake
 ${lib#"$prefix"/}/pkgconfig/collided.pc
+${lib#"$prefix"/}/collided/collided-http.so
+${lib#"$prefix"/}/collided/collided-keys.so
 ${lib#"$prefix"/}/libcollided_client.so.1
 ${lib#"$prefix"/}/libcollided_vcollide.so.1
 END
 # A debugger's data may know it; not what is read when programs run and others are built.
 grep -rlIF "$build" "$prefix" && fail "the files above know the build tree"
-for program in "$prefix"/bin/* "$prefix"/libexec/collided/* "$lib"/*.so; do
+for program in "$prefix"/bin/* "$prefix"/libexec/collided/* "$lib"/*.so "$lib"/collided/*.so; do
   readelf -d "$program" | grep -F "$build" && fail "$program looks for libraries in the build tree"
 done
 bash -c "source '$prefix/share/bash-completion/completions/collide' && complete -p collide" | grep -q _collide ||
@@ -77,6 +85,10 @@ answer=$("$prefix/bin/collide" ray 0 0 5  0 0 -1 --fields answer,object) || { ca
 [[ $answer == $'hit\twarehouse/shelf_3/top' ]] || fail "the installed programs answer '$answer'"
 printf 'v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n' >"$scratch/one.obj"
 "$prefix/bin/collide" check "$scratch/one.obj" | grep -q '1 triangle' || fail "collide does not find collided-files"
+
+for verb in draw fleet keys ros view; do
+  "$prefix/bin/collide" $verb --help | grep -q "^collide $verb - " || fail "collide does not find collide-$verb"
+done
 
 # The Python client finds the library beside itself.
 if [[ -x /usr/bin/python3 ]]; then

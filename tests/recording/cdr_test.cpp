@@ -74,8 +74,9 @@ std::vector<std::byte> take_as_bytes(dds_entity_t reader) {
 
 template <class T>
 class WireCdr : public ::testing::Test {};
-using WireTypes = ::testing::Types<wire::Definition, wire::PoseBatch, wire::Query, wire::Reply, wire::EventFrame,
-                                   wire::ContactShard, wire::ProbeFrame, wire::Status>;
+using WireTypes =
+    ::testing::Types<wire::Definition, wire::PoseBatch, wire::Query, wire::Reply, wire::EventFrame, wire::ContactShard,
+                     wire::StandingFrame, wire::StandingShard, wire::ProbeFrame, wire::Status>;
 TYPED_TEST_SUITE(WireCdr, WireTypes);
 
 // Field by field and padding by padding, from a reader on the other side of the network stack.

@@ -13,7 +13,7 @@
 
 #include <nlohmann/json.hpp>
 
-#include "idl/commands.hpp"
+#include "idl/mcap/format.hpp"
 #include "idl/mcap/reader.hpp"
 #include "idl/packed_fences.hpp"
 #include "server/service/recording/flight_recorder.hpp"
@@ -165,20 +165,44 @@ void tell(FlightOpening& opening, const std::vector<std::pair<std::uint64_t, wir
   dds::borrow(status->publisher_states, std::span<const std::uint8_t>());
 }
 
-/// Asks and lets the server say what it did.
-void ask(FlightOpening& opening, const std::string& text, const std::string& answer = "{}",
-         wire_contract::ReplyStatus status = wire_contract::ReplyStatus::ok) {
-  static std::uint64_t request = 0;
-  opening.fold(*command(text, ++request));
+/// Folds a sample as the window's record of it.
+template <class T>
+void fold_record(FlightOpening& opening, std::uint16_t channel, const T& sample) {
+  const std::size_t bytes = wire::cdr_size(sample);
+  std::vector<std::byte> record(mcap::kMessagePrefixBytes + bytes);
+  mcap::put_message_prefix(record.data(), {channel, 0, 0, 0}, bytes);
+  wire::write_cdr(sample, std::span(record).subspan(mcap::kMessagePrefixBytes));
+  opening.fold(record);
+}
+
+/// An opening that takes in what the inventory beside it hands on.
+struct KeptOpening : FlightOpening {
+  void put(KeptKey key, const std::string& text, std::uint64_t owner = 0, std::vector<std::byte> blob = {}) {
+    inventory.put({.key = std::move(key), .text = text, .blob = std::move(blob), .owner = owner});
+    inventory.flush();
+  }
+  void erase(const KeptKey& key) {
+    inventory.erase(key);
+    inventory.flush();
+  }
+  std::uint64_t own_commands = 0;
+  std::size_t records = 0;
+  Inventory inventory{{[this](const Inventory::Changes& changes) {
+    write_changes(changes, own_commands, [this](const wire::Query& query) {
+      ++records;
+      EXPECT_LT(wire::cdr_size(query), FlightWindow::kBlockBytes / 2 + 65'536);
+      fold_record(*this, kInventoryChannel, query);
+    });
+  }}};
+};
+
+void refuse(FlightOpening& opening, std::uint64_t request, wire_contract::ReplyStatus status) {
   dds::Sample<wire::Reply> reply;
   reply->client = 5;
   reply->request = request;
   reply->chunk_count = 1;
   reply->status = static_cast<std::uint8_t>(status);
-  const std::vector<std::uint8_t> bytes(answer.begin(), answer.end());
-  dds::borrow(reply->text, bytes);
   opening.fold(*reply);
-  dds::borrow(reply->text, std::span<const std::uint8_t>());
 }
 
 using wire_contract::PublisherState;
@@ -223,183 +247,179 @@ TEST(FlightOpening, PublishersThatTheServerForgotAreForgotten) {
 }
 
 TEST(FlightOpening, CommandsThatUndoEachOtherTakeNoRoom) {
-  FlightOpening opening;
+  KeptOpening opening;
+  opening.inventory.set_start_scenes({"hall"});
+  const std::string add = R"({"command":"add","name":"crate"})", move = R"({"command":"move","name":"crate"})";
   for (int i = 0; i < 10; ++i) {
-    ask(opening, R"({"command":"add","name":"crate"})");
-    ask(opening, R"({"command":"move","name":"crate","pose":[1]})");
-    ask(opening, R"({"command":"move","name":"crate","pose":[2]})");
-    ask(opening, R"({"command":"list"})");
-    if (i < 9)
-      ask(opening, i % 2 == 0 ? R"({"command":"remove","name":"crate"})" : R"({"command":"remove","name":"c*"})",
-          R"({"removed":["crate"]})");
+    if (i > 0) opening.erase({KeptKind::object, "crate"});
+    opening.put({KeptKind::object, "crate"}, add);
+    opening.put({KeptKind::moved, "crate"}, "moved once");
+    opening.put({KeptKind::moved, "crate"}, move);
   }
-  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"crate"})",
-                                                                 R"({"command":"move","name":"crate","pose":[2]})"}));
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{add, move}));
   for (int i = 0; i < 10; ++i) {
-    ask(opening, R"({"command":"load","path":"/a/plate.obj"})", R"({"scene":"plate"})");
-    ask(opening, R"({"command":"clear","scene":"plate"})");
-    ask(opening, R"({"command":"probe","name":"ear","object":"crate"})");
-    ask(opening, R"({"command":"probe","name":"e*","remove":true})", R"({"probes":["ear"]})");
+    opening.put({KeptKind::scene, "plate"}, R"({"command":"load","path":"/a/plate.obj"})");
+    opening.erase({KeptKind::scene, "plate"});
+    opening.put({KeptKind::probe, "ear"}, R"({"command":"probe","name":"ear","object":"crate"})");
+    opening.erase({KeptKind::probe, "ear"});
   }
   EXPECT_EQ(written(opening).commands.size(), 2U);
-  ask(opening, R"({"command":"clear"})");
-  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"clear"})"}))
+  opening.erase({KeptKind::object, "crate"});
+  opening.erase({KeptKind::scene, "hall"});
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"clear","scene":"hall"})"}))
       << "the scenes of the start are gone too";
 }
 
-// The names of what a glob removes may be more than one sample of an answer holds, so that its text ends anywhere.
-TEST(FlightOpening, ProbesThatWereRemovedStayAwayHoweverLongTheAnswer) {
-  FlightOpening opening;
-  for (const char* name : {"ear_1", "ear_2", "nose"})
-    ask(opening, R"({"command":"probe","object":"crate","name":")" + std::string(name) + "\"}");
-  ask(opening, R"({"command":"probe","name":"ear_*","remove":true})", R"({"probes":["ear_1","ea)");
-  EXPECT_EQ(written(opening).commands,
-            (std::vector<std::string>{R"({"command":"probe","object":"crate","name":"nose"})"}));
+// The names of what a glob removes may be more than one record holds.
+TEST(FlightOpening, WhatACommandChangedIsTakenWholeHoweverMuchItIs) {
+  KeptOpening opening;
+  const std::string stem(200, 'x');
+  for (int i = 0; i < 10'000; ++i)
+    opening.inventory.put({.key = {KeptKind::probe, stem + std::to_string(i)}, .text = std::to_string(i)});
+  opening.inventory.flush();
+  EXPECT_GT(opening.records, 2U);
+  EXPECT_EQ(written(opening).commands.size(), 10'000U);
+  opening.records = 0;
+  for (int i = 0; i < 10'000; ++i) {
+    if (i != 77) opening.inventory.erase({KeptKind::probe, stem + std::to_string(i)});
+  }
+  opening.inventory.flush();
+  EXPECT_GT(opening.records, 2U);
+  EXPECT_EQ(written(opening).commands, std::vector<std::string>{"77"});
+  EXPECT_EQ(opening.left_out(), 0U);
 }
 
 TEST(FlightOpening, HasTheRulesThatStandInTheirOrder) {
-  FlightOpening opening;
-  ask(opening, R"({"command":"deny","a":"x","b":"y"})");
-  EXPECT_TRUE(written(opening).commands.empty()) << "there is nothing to take back";
-  ask(opening, R"({"command":"allow","a":"robot/*","b":"table","because":"it stands there"})");
-  ask(opening, R"({"command":"deny","a":"robot/hand","b":"table"})");
-  for (int i = 0; i < 5; ++i) {
-    ask(opening, R"({"command":"allow","a":"cup","b":"table"})");
-    ask(opening, R"({"command":"deny","a":"table","b":"cup"})");
+  KeptOpening opening;
+  const std::vector<std::string> rules{R"({"a":"robot/*","b":"table","because":"it stands there","command":"allow"})",
+                                       R"({"a":"robot/hand","b":"table","command":"deny"})",
+                                       R"({"a":"table","b":"cup","command":"deny"})"};
+  for (int round = 0; round < 5; ++round) {
+    for (const std::size_t place : {2U, 1U}) opening.erase({KeptKind::rule, "0" + std::to_string(place)});
+    for (std::size_t place = 0; place < rules.size(); ++place)
+      opening.put({KeptKind::rule, "0" + std::to_string(place)}, rules[place]);
+    EXPECT_EQ(written(opening).commands, rules);
   }
-  EXPECT_EQ(written(opening).commands,
-            (std::vector<std::string>{R"({"command":"allow","a":"robot/*","b":"table","because":"it stands there"})",
-                                      R"({"command":"deny","a":"robot/hand","b":"table"})",
-                                      R"({"command":"deny","a":"table","b":"cup"})"}));
 }
 
 // Where the two are by now is another place, and the publisher of the parent may have moved it since.
 TEST(FlightOpening, HasWhatIsAttachedWithThePlaceThatItTook) {
-  FlightOpening opening;
+  KeptOpening opening;
+  const KeptKey crate{KeptKind::object, "crate"}, attached{KeptKind::attached, "crate"};
+  const std::string add = R"({"command":"add","name":"crate"})";
   const std::string placed =
       R"({"child":"crate","command":"attach","parent":"arm/hand","pose":[0.0,0.0,-1.0,1.0,0.0,0.0,0.0]})";
-  const auto attach = [&] {
-    ask(opening, R"({"command":"attach","child":"crate","parent":"arm/hand"})",
-        R"({"child":"crate","parent":"arm/hand","pose":[0.0,0.0,-1.0,1.0,0.0,0.0,0.0],"version":7})");
-  };
-  const std::string add = R"({"command":"add","name":"crate"})";
-  ask(opening, add);
-  for (int i = 0; i < 5; ++i) attach();
-  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{add, placed}));
-  // The server says itself where something stays that is attached no longer, whatever ended that.
   const std::string stays = R"({"command":"move","name":"crate","pose":[4,5,6,1,0,0,0],"teleport":true})";
-  opening.fold(*command(stays));
+  opening.put(crate, add);
+  for (int i = 0; i < 5; ++i) opening.put(attached, placed);
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{add, placed}));
+  // Something stays that is attached no longer, whatever ended that.
+  opening.inventory.erase(attached);
+  opening.put({KeptKind::moved, "crate"}, stays);
   EXPECT_EQ(written(opening).commands, (std::vector<std::string>{add, stays}));
-  attach();
-  ask(opening, R"({"command":"detach","child":"crate"})", R"({"child":"crate","parent":"arm/hand","version":9})");
-  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{add, stays}));
-  attach();
-  ask(opening, R"({"command":"remove","name":"crate"})", R"({"removed":["crate"]})");
+  opening.put(attached, placed);
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{add, stays, placed}));
+  opening.erase(crate);
   EXPECT_TRUE(written(opening).commands.empty());
 }
 
 TEST(FlightOpening, WhatWasRefusedChangedNothing) {
-  FlightOpening opening;
-  ask(opening, R"({"command":"add","name":"crate"})");
-  ask(opening, R"({"command":"remove","name":"*"})", "a living publisher has one", wire_contract::ReplyStatus::refused);
-  ask(opening, R"({"command":"load","path":"/nowhere.obj"})", "no such file", wire_contract::ReplyStatus::refused);
-  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"crate"})"}));
+  KeptOpening opening;
+  const std::string add = R"({"command":"add","name":"crate"})";
+  opening.put({KeptKind::object, "crate"}, add);
+  std::uint64_t request = 0;
+  for (const char* text : {R"({"command":"remove","name":"*"})", R"({"command":"load","path":"/nowhere.obj"})"}) {
+    opening.fold(*command(text, ++request));
+    refuse(opening, request, wire_contract::ReplyStatus::progress);
+    EXPECT_EQ(written(opening).commands, (std::vector<std::string>{add, text})) << "under way";
+    refuse(opening, request, wire_contract::ReplyStatus::refused);
+  }
+  EXPECT_EQ(written(opening).commands, std::vector<std::string>{add});
 }
 
-// What the server carried out is taken as it stands, whatever its text; one that cannot be read says nothing of objects.
 TEST(FlightOpening, ACommandWhoseTextIsNoJsonIsSurvived) {
-  FlightOpening opening;
-  ask(opening, R"({"command":"add","name":"crate"})");
-  ask(opening, R"({"command":"remove","na)", R"({"removed":["crate"]})");
-  ask(opening, R"({"command":"remove","name":"crate"})", R"({"removed":["cra)");
-  ask(opening, R"({"command":"add","name":"ball"})");
-  const std::vector<std::string> commands = written(opening).commands;
-  ASSERT_FALSE(commands.empty());
-  EXPECT_EQ(commands.back(), R"({"command":"add","name":"ball"})");
+  KeptOpening opening;
+  opening.put({KeptKind::object, "crate"}, "add crate");
+  for (const char* text : {R"({"command":"remove","na)", "[1]", R"({"command":7})", "", R"({"command":"nonsense"})"})
+    opening.fold(*command(text, 1));
+  opening.put({KeptKind::object, "ball"}, "add ball");
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{"add crate", "add ball"}));
 }
 
-TEST(FlightOpening, WhatIsNoNameAmongTheRemovedIsPassedOver) {
-  FlightOpening opening;
-  ask(opening, R"({"command":"add","name":"crate"})");
-  ask(opening, R"({"command":"remove","name":"*"})", R"({"removed":[1,null,"crate",{"name":"ball"},"door"]})");
-  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"remove","name":"door"})"}));
+TEST(FlightOpening, ChangesThatAreCutShortOrOfUnknownThingsArePassedOver) {
+  KeptOpening opening;
+  opening.put({KeptKind::object, "crate"}, "add crate");
+  std::vector<std::uint8_t> packed;
+  for (const char* text : {"[1]", "{}", R"({"erase":"what/crate"})", R"({"put":"what/ball","text":"x","owner":0})"})
+    wire_contract::pack_fence(packed, text, {});
+  const std::size_t unknown = packed.size();
+  wire_contract::pack_fence(packed, R"({"erase":"object/crate"})", {});
+  for (std::size_t size = 0; size < packed.size(); ++size) {
+    dds::Sample<wire::Query> changes;
+    dds::borrow(changes->blob, std::span(packed).first(size));
+    opening.fold_changes(*changes);
+    ASSERT_EQ(written(opening).commands, std::vector<std::string>{"add crate"}) << size << " of " << unknown;
+  }
+  dds::Sample<wire::Query> changes;
+  dds::borrow(changes->blob, packed);
+  opening.fold_changes(*changes);
+  EXPECT_TRUE(written(opening).commands.empty());
 }
 
 TEST(FlightOpening, AnObjectOfASceneStaysAwayOnceItWasRemoved) {
-  FlightOpening opening;
+  KeptOpening opening;
+  const std::string load = R"({"command":"load","path":"/a/hall.obj","replace":true})";
   for (int i = 0; i < 3; ++i) {
-    ask(opening, R"({"command":"load","path":"/a/hall.obj","replace":true})", R"({"scene":"hall"})");
-    ask(opening, R"({"command":"remove","name":"door?"})", R"({"removed":["door1","door2"]})");
+    opening.put({KeptKind::scene, "hall"}, load);
+    EXPECT_EQ(written(opening).commands, std::vector<std::string>{load});
+    for (const char* door : {"door1", "door2"})
+      opening.put(KeptKey::of_member(KeptKind::gone, "hall", door), std::string("remove ") + door);
   }
-  EXPECT_EQ(
-      written(opening).commands,
-      (std::vector<std::string>{R"({"command":"load","path":"/a/hall.obj","replace":true})",
-                                R"({"command":"remove","name":"door1"})", R"({"command":"remove","name":"door2"})"}));
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{load, "remove door1", "remove door2"}));
 }
 
 TEST(FlightOpening, WhatALostPublisherLeftCanBeRemovedAndOfALivingOneNothing) {
-  FlightOpening opening;
+  KeptOpening opening;
   for (const std::uint64_t publisher : {7, 8}) {
     dds::Sample<wire::Definition> frozen = definition(publisher, 10 + static_cast<std::uint32_t>(publisher), 1);
     frozen->lost_policy = static_cast<std::uint8_t>(wire_contract::LostPolicy::freeze);
     opening.fold(*frozen);
   }
   tell(opening, {{7, PublisherState::lost}, {8, PublisherState::alive}});
-  ask(opening, R"({"command":"remove","name":"object 17"})", R"({"removed":["object 17"]})");
+  const std::string move = R"({"command":"move","name":"object 17","teleport":true})";
+  opening.put({KeptKind::published, "object 17"}, move, 7);
+  EXPECT_EQ(written(opening).commands, std::vector<std::string>{move});
+  opening.erase({KeptKind::published, "object 17"});
   EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{18, 1}}));
   EXPECT_TRUE(written(opening).commands.empty());
-  ask(opening, R"({"command":"clear"})");
+  opening.erase({KeptKind::published, "object 18"});
   EXPECT_EQ(written(opening).objects, (std::map<std::uint32_t, std::uint64_t>{{18, 1}}));
 }
 
-/// A fence that a client adds, and the answer.
-std::string fence_text(const std::string& name, const std::string& more = {}) {
-  return R"({"command":"fence","name":")" + name + '"' + more + '}';
-}
+std::string fence_text(const std::string& name) { return R"({"command":"fence","name":")" + name + "\"}"; }
 
 TEST(FlightOpening, HasTheFencesThatStandInTheirOrder) {
-  FlightOpening opening;
-  const std::string margin = R"(,"around":"a","only":"b","bands":[1])",
-                    nearest = R"(,"only":"a","point":[0,0,0],"within":3)";
-  ask(opening, fence_text("dock 2"));
-  ask(opening, fence_text("dock 1", R"(,"keep":true)"));
-  ask(opening, fence_text("gap", margin));
-  ask(opening, fence_text("who", nearest));
-  ask(opening, fence_text("refused"), R"({"error":"taken"})", wire_contract::ReplyStatus::refused);
+  KeptOpening opening;
   const auto names = [&] {
     std::vector<std::string> all;
     for (const std::string& text : written(opening).commands)
       all.push_back(nlohmann::json::parse(text).at("name").get<std::string>());
     return all;
   };
+  for (const char* name : {"dock 2", "dock 1", "gap", "who"})
+    opening.put({KeptKind::fence, name}, fence_text(name), name[0] == 'd' ? 0 : 5);
   EXPECT_EQ(names(), (std::vector<std::string>{"dock 2", "dock 1", "gap", "who"}));
-  ask(opening, fence_text("", R"(,"remove":true)"));  // of fences alone
-  EXPECT_EQ(names(), (std::vector<std::string>{"gap", "who"}));
-  ask(opening, fence_text("w*", R"(,"remove":true,"margins":true)"));
-  EXPECT_EQ(names(), (std::vector<std::string>{"gap", "who"}));
-  ask(opening, fence_text("who", R"(,"remove":true,"nearest":true)"));
-  ask(opening, fence_text("dock"));
-  ask(opening, fence_text("g?p", R"(,"remove":true,"margins":true)"));
-  EXPECT_EQ(names(), (std::vector<std::string>{"dock"}));
+  for (const char* name : {"dock 2", "who", "dock 1"}) opening.erase({KeptKind::fence, name});
+  EXPECT_EQ(names(), std::vector<std::string>{"gap"});
+  opening.put({KeptKind::fence, "dock 2"}, fence_text("dock 2"));
+  EXPECT_EQ(names(), (std::vector<std::string>{"gap", "dock 2"}));
   EXPECT_EQ(opening.left_out(), 0U);
 }
 
-/// The server says that the client of ask() has gone.
-void bid_farewell(FlightOpening& opening, std::uint64_t client) {
-  dds::Sample<wire::Reply> reply;
-  reply->client = client;
-  reply->chunk_count = 1;
-  const std::string_view text = wire_contract::command::kClientGone;
-  const std::vector<std::uint8_t> bytes(text.begin(), text.end());
-  dds::borrow(reply->text, bytes);
-  opening.fold(*reply);
-  dds::borrow(reply->text, std::span<const std::uint8_t>());
-}
-
-TEST(FlightOpening, FencesThatAreNotKeptGoWithTheirOwner) {
-  FlightOpening opening;
-  ask(opening, fence_text("mine"));
-  ask(opening, fence_text("kept", R"(,"keep":true)"));
+TEST(FlightOpening, FencesThatAreNotKeptHaveTheirOwner) {
+  KeptOpening opening;
+  opening.put({KeptKind::fence, "mine"}, fence_text("mine"), 5);
+  opening.put({KeptKind::fence, "kept"}, fence_text("kept"));
   std::map<std::string, std::uint64_t> owners;
   opening.write([&](Recorded, std::span<const std::byte> data) {
     dds::Sample<wire::Query> query;
@@ -407,10 +427,6 @@ TEST(FlightOpening, FencesThatAreNotKeptGoWithTheirOwner) {
     owners[nlohmann::json::parse(query->text).at("name")] = query->client;
   });
   EXPECT_EQ(owners, (std::map<std::string, std::uint64_t>{{"mine", 5}, {"kept", 0}}));
-  bid_farewell(opening, 6);
-  EXPECT_EQ(written(opening).commands.size(), 2U);
-  bid_farewell(opening, 5);
-  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"fence","keep":true,"name":"kept"})"}));
 }
 
 /// The names of all fences that the opening makes again, and in how many commands.
@@ -432,47 +448,52 @@ std::pair<std::vector<std::string>, std::size_t> fences_of(const FlightOpening& 
   return all;
 }
 
-// Added by the message of many, taken out one by one and by globs, and written as many again.
+// Added at once, taken out one by one and many at once, and written as many again.
 TEST(FlightOpening, ManyFencesAreAFewCommands) {
-  FlightOpening opening;
-  std::vector<std::uint8_t> packed;
+  KeptOpening opening;
   std::vector<std::string> left;
   for (int i = 0; i < 10'000; ++i) {
     const std::string name = "fence " + std::to_string(i);
-    const std::vector<std::uint8_t> shape(100, static_cast<std::uint8_t>(name.back()));
-    wire_contract::pack_fence(packed, fence_text(name, R"(,"keep":true)"), shape);
+    opening.inventory.put({.key = {KeptKind::fence, name},
+                           .text = fence_text(name),
+                           .blob = std::vector<std::byte>(100, static_cast<std::byte>(name.back()))});
     if (i % 10 != 7 && i != 123) left.push_back(name);
   }
-  dds::Sample<wire::Query> many = command(R"({"command":"fence","many":true})");
-  dds::borrow(many->blob, packed);
-  opening.fold(*many);
-  dds::borrow(many->blob, std::span<const std::uint8_t>());
+  opening.inventory.flush();
   EXPECT_EQ(fences_of(opening).first.size(), 10'000U);
-  ask(opening, fence_text("fence 123", R"(,"remove":true)"));
-  ask(opening, fence_text("*7", R"(,"remove":true)"));
+  opening.erase({KeptKind::fence, "fence 123"});
+  for (int i = 7; i < 10'000; i += 10) opening.inventory.erase({KeptKind::fence, "fence " + std::to_string(i)});
+  opening.inventory.flush();
   const auto [names, commands] = fences_of(opening);
   EXPECT_EQ(names, left);
   EXPECT_LE(commands, 3U);
   EXPECT_EQ(opening.left_out(), 0U);
 }
 
-TEST(FlightOpening, FencesWithoutRoomAreLeftOutAndCounted) {
-  FlightOpening opening;
-  const std::vector<std::uint8_t> shape(1'000'000, 1);
+TEST(FlightOpening, CommandsWithoutRoomAreLeftOutAndCounted) {
+  KeptOpening opening;
   const auto add = [&](const std::string& name) {
-    dds::Sample<wire::Query> one = command(fence_text(name, R"(,"keep":true)"));
-    dds::borrow(one->blob, shape);
-    opening.fold(*one);
-    dds::borrow(one->blob, std::span<const std::uint8_t>());
+    opening.put({KeptKind::fence, name}, fence_text(name), 0, std::vector<std::byte>(1'000'000));
   };
-  const std::size_t room = FlightFences::kMostBytes / 1'000'200;
+  const std::size_t room = FlightOpening::kMostKeptBytes / 1'000'200;
   for (std::size_t i = 0; i < room + 3; ++i) add("fence " + std::to_string(i));
   EXPECT_EQ(written(opening).commands.size(), room);
   EXPECT_EQ(opening.left_out(), 3U);
-  ask(opening, fence_text("fence 0", R"(,"remove":true)"));
+  opening.erase({KeptKind::fence, "fence 0"});
   add("last");
   EXPECT_EQ(written(opening).commands.size(), room);
   EXPECT_EQ(opening.left_out(), 3U);
+}
+
+// The bytes of many fences have room for long ones; other commands are written one by one.
+TEST(FlightOpening, ATextTooLongForACommandIsLeftOutUnlessItIsOfAFence) {
+  KeptOpening opening;
+  const std::string longer(sizeof(wire::Query::text), ' ');
+  opening.put({KeptKind::probe, "ear"}, longer);
+  EXPECT_TRUE(written(opening).commands.empty());
+  EXPECT_EQ(opening.left_out(), 1U);
+  opening.put({KeptKind::fence, "polygon"}, fence_text("polygon") + longer);
+  EXPECT_EQ(written(opening).commands, std::vector<std::string>{R"({"command":"fence","many":true})"});
 }
 
 // Whoever has heard the commands meanwhile knows by that which of them it need not repeat.
@@ -483,7 +504,7 @@ TEST(FlightOpening, SaysWhichCommandsItHasTakenIntoAccount) {
     opening.fold(*command(R"({"command":"move","name":"crate"})", request));
   }
   std::vector<recording::CommandNumber> newest;
-  for (std::uint64_t request = 5'001 - FlightCommands::kMostNoted; request <= 5'000; ++request)
+  for (std::uint64_t request = 5'001 - FlightOpening::kMostNoted; request <= 5'000; ++request)
     newest.emplace_back(5, request);
   EXPECT_EQ(opening.noted_commands(), newest);
   const std::string text = recording::text_of(newest);
@@ -493,16 +514,26 @@ TEST(FlightOpening, SaysWhichCommandsItHasTakenIntoAccount) {
     EXPECT_EQ(recording::command_numbers(broken).size(), std::string_view(broken) == "5:1 zz:3" ? 1U : 0U) << broken;
 }
 
-// What the window's end cuts off from its answer is written, and so is what the server carried out by itself.
-TEST(FlightOpening, ACommandWithoutAnAnswerIsWrittenLast) {
-  FlightOpening opening;
-  opening.fold(*command(R"({"command":"add","name":"late"})", 1'000'000));
-  opening.fold(*command(R"({"command":"add","name":"from the journal"})"));
-  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{R"({"command":"add","name":"from the journal"})",
-                                                                 R"({"command":"add","name":"late"})"}));
+// What the window's end cuts off from its changes is written; with these it counts once, whoever gave the command.
+TEST(FlightOpening, ACommandWithoutItsChangesIsWrittenLast) {
+  KeptOpening opening;
+  const std::string late = R"({"command":"add","name":"late"})", own = R"({"command":"add","name":"own"})";
+  opening.fold(*command(late, 1'000'000));
+  dds::Sample<wire::Query> own_command = command(own);
+  own_command->request = 3;
+  opening.fold(*own_command);
+  opening.put({KeptKind::object, "from the journal"}, "from the journal");
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{"from the journal", late, own}));
+  opening.own_commands = 3;
+  opening.put({KeptKind::object, "own"}, own);
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{"from the journal", own, late}));
+  opening.inventory.put({.key = {KeptKind::object, "late"}, .text = late});
+  opening.inventory.flush(5, 1'000'000);
+  EXPECT_EQ(written(opening).commands, (std::vector<std::string>{"from the journal", own, late}));
+  EXPECT_EQ(opening.noted_commands(), (std::vector<recording::CommandNumber>{{5, 1'000'000}}));
   for (std::uint64_t i = 0; i < 200; ++i) opening.fold(*command(R"({"command":"add","name":"lost"})", 2'000'000 + i));
-  EXPECT_EQ(written(opening).commands.size(), 1 + FlightCommands::kMostUnanswered);
-  EXPECT_EQ(opening.left_out(), 201 - FlightCommands::kMostUnanswered);
+  EXPECT_EQ(written(opening).commands.size(), 3 + FlightOpening::kMostUnanswered);
+  EXPECT_EQ(opening.left_out(), 200 - FlightOpening::kMostUnanswered);
 }
 
 // What has left the window comes back as the state that the file begins with.
@@ -538,22 +569,41 @@ TEST(FlightOpening, HasTheContactsThatHeld) {
   EXPECT_EQ(held(opening), (std::map<std::uint8_t, std::uint64_t>{{3, 12}}));
 }
 
-TEST(FlightOpening, HasWhoWasInFences) {
+/// What holds of standing questions in a shard after an event.
+void hold_standing(FlightOpening& opening, std::uint8_t shard, std::uint64_t as_of, std::size_t count) {
+  const std::vector<std::uint64_t> ids(count, 7);
+  dds::Sample<wire::StandingShard> sample;
+  sample->shard = shard;
+  sample->as_of_sequence = as_of;
+  dds::borrow(sample->standings, ids);
+  dds::borrow(sample->objects, ids);
+  fold_record(opening, static_cast<std::uint16_t>(Recorded::standing_state), *sample);
+}
+
+// Beside the contacts of the shard with the same number.
+TEST(FlightOpening, HasWhatHeldOfStandingQuestions) {
   FlightOpening opening;
   hold(opening, 3, 10, 1);
-  const std::vector<std::uint64_t> ids(2, 7);
-  dds::Sample<wire::ContactShard> sample;
-  sample->shard = 3;
-  sample->as_of_sequence = 4;
-  dds::borrow(sample->a, ids);
-  opening.fold_fences(*sample);
-  std::map<Recorded, std::uint64_t> shards;
+  hold_standing(opening, 3, 3, 1);
+  hold_standing(opening, 5, 3, 1);
+  hold_standing(opening, 3, 4, 2);
+  hold_standing(opening, 5, 4, 0);
+  std::map<std::uint8_t, std::uint64_t> shards;
   opening.write([&](Recorded topic, std::span<const std::byte> data) {
-    dds::Sample<wire::ContactShard> shard;
-    ASSERT_TRUE(wire::read_cdr(data, shard));
-    shards[topic] = shard->as_of_sequence;
+    dds::Sample<wire::StandingShard> shard;
+    if (topic == Recorded::standing_state && wire::read_cdr(data, shard)) shards[shard->shard] = shard->as_of_sequence;
   });
-  EXPECT_EQ(shards, (std::map<Recorded, std::uint64_t>{{Recorded::contact, 10}, {Recorded::fence_state, 4}}));
+  EXPECT_EQ(shards, (std::map<std::uint8_t, std::uint64_t>{{3, 4}}));
+  EXPECT_EQ(held(opening), (std::map<std::uint8_t, std::uint64_t>{{3, 10}}));
+}
+
+// A reader counts missing events from the first sum, which is one of the window.
+TEST(FlightOpening, LacksTheSumOfStandingQuestions) {
+  FlightOpening opening;
+  hold_standing(opening, wire_contract::kStandingSum, 4, 1);
+  std::size_t count = 0;
+  opening.write([&](Recorded, std::span<const std::byte>) { ++count; });
+  EXPECT_EQ(count, 0U);
 }
 
 // An old sample would be a lie: it goes also where the new one has no room.

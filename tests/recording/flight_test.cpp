@@ -50,8 +50,10 @@ TEST(FlightRing, SeveralThreadsPutAndNothingIsMissingOrMadeUp) {
   }
   std::map<std::uint64_t, std::uint64_t> next;
   std::uint64_t wrong = 0;
+  bool gives_back = false;
   const auto drain = [&] {
-    ring.drain([&](std::span<const std::byte> record) {
+    gives_back = !gives_back;
+    ring.drain(gives_back, [&](std::span<const std::byte> record) {
       dds::Sample<wire::EventFrame> sample;
       ++seen;
       if (!wire::read_cdr(record.subspan(mcap::kMessagePrefixBytes), sample)) {
@@ -77,16 +79,26 @@ TEST(FlightRing, SeveralThreadsPutAndNothingIsMissingOrMadeUp) {
 }
 
 TEST(FlightRing, AFullRingDropsAndCounts) {
-  FlightRing ring(1 << 12);
-  const dds::Sample<wire::Definition> sample = definition(1, 1, 1);
-  for (int i = 0; i < 100; ++i) ring.put(1, *sample, 0, 0);
-  std::uint64_t seen = 0;
-  ring.drain([&](std::span<const std::byte>) { ++seen; });
-  EXPECT_GT(seen, 10U);
-  EXPECT_EQ(seen + ring.dropped(), 100U);
-  ring.put(1, *sample, 0, 0);
-  ring.drain([&](std::span<const std::byte>) { ++seen; });
-  EXPECT_EQ(seen + ring.dropped(), 101U) << "room is free again";
+  for (const bool gives_back : {false, true}) {
+    FlightRing ring(1 << 14);
+    const dds::Sample<wire::Definition> sample = definition(1, 1, 1);
+    EXPECT_FALSE(ring.is_filling());
+    for (int i = 0; i < 400; ++i) ring.put(1, *sample, 0, 0);
+    EXPECT_TRUE(ring.is_filling());
+    std::uint64_t seen = 0;
+    const auto count = [&](std::span<const std::byte>) { ++seen; };
+    ring.drain(gives_back, count);
+    EXPECT_GT(seen, 40U);
+    EXPECT_EQ(seen + ring.dropped(), 400U);
+    const std::uint64_t dropped = ring.dropped();
+    // Several times around, a few at a time.
+    for (int i = 0; i < 1'000; ++i) {
+      ring.put(1, *sample, 0, 0);
+      if (i % 10 == 9) ring.drain(gives_back, count);
+    }
+    EXPECT_EQ(ring.dropped(), dropped) << "room is free again";
+    EXPECT_EQ(seen + dropped, 1'400U);
+  }
 }
 
 TEST(FlightWindow, WhatIsOldLeavesOnceAndInOrder) {
@@ -181,6 +193,37 @@ TEST(FlightRecorder, AFileBeginsWithTheStateBeforeItsWindow) {
   EXPECT_EQ(before->positions._buffer[0], 0.5);
   EXPECT_EQ(after->positions._buffer[0], 0.75);
   EXPECT_EQ(file.dropped, 0U);
+}
+
+// A command of the window is there as it was asked, and so is one that the server gave itself; those before are in the opening.
+TEST(FlightRecorder, AFileHasEachCommandOnceAndNoChanges) {
+  const Folder folder;
+  FlightRecorder recorder("hall", 60'000'000'000, folder.stem());
+  const auto added = [](const std::string& name, std::uint64_t client, std::uint64_t request) {
+    return Inventory::Changes{
+        .erased = {}, .put = {{.key = {KeptKind::object, name}, .text = name}}, .client = client, .request = request};
+  };
+  recorder.note(Recorded::query, *command(R"({"command":"add","name":"crate"})", 1));
+  recorder.note_changes(added("crate", 5, 1));
+  recorder.note_own("own", {});
+  recorder.note_changes(added("own", 0, 0));
+  std::this_thread::sleep_for(std::chrono::milliseconds(300));  // so that these lie before the last 0.2 s
+  recorder.note(Recorded::query, *command(R"({"command":"add","name":"ball"})", 2));
+  recorder.note_changes(added("ball", 5, 2));
+  recorder.note_own(R"({"command":"add","name":"lid"})", {});
+  recorder.note_changes(added("lid", 0, 0));
+  const std::vector<std::byte> bytes = mcap::read_file(recorder.write("a", 200'000'000).path, 1 << 20);
+  const mcap::Contents contents = mcap::read(bytes);
+  std::vector<std::string> commands;
+  for (const mcap::Message& message : contents.messages) {
+    dds::Sample<wire::Query> query;
+    EXPECT_EQ(contents.channels.at(message.head.channel).topic, "hall/query_v2");
+    ASSERT_TRUE(wire::read_cdr(message.data, query));
+    commands.emplace_back(query->text);
+  }
+  EXPECT_EQ(contents.metadata.at("recording").at("opening_messages"), "2");
+  EXPECT_EQ(commands, (std::vector<std::string>{"crate", "own", R"({"command":"add","name":"ball"})",
+                                                R"({"command":"add","name":"lid"})"}));
 }
 
 // What was written of a file that found no room stayed, and kept the room that the journal needs.

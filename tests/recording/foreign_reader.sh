@@ -27,4 +27,4 @@ while kill -0 "$recorder" 2>/dev/null; do
 done
 wait "$recorder"
 node "$here/foreign_reader.mjs" "$scratch/run.mcap" 4 | tee "$scratch/read"
-grep -q '[ ,]/fences [1-9]' "$scratch/read" && grep -q 'fence_event_v2 [1-9]' "$scratch/read" || { echo "no fences in it"; exit 1; }
+grep -q '[ ,]/fences [1-9]' "$scratch/read" && grep -q 'standing_event_v3 [1-9]' "$scratch/read" || { echo "no fences in it"; exit 1; }

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/extras/response/damper.hpp"
+#include "client/cli/publish/response/damper.hpp"
 
 namespace collided::response {
 namespace {

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "client/extras/response/damper.hpp"
+#include "client/cli/publish/response/damper.hpp"
 
 namespace collided::response {
 namespace {

@@ -1,11 +1,11 @@
-#include "client/extras/response/spring_contact.hpp"
+#include "client/cli/publish/response/spring_contact.hpp"
 
 #include <cmath>
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include "client/extras/response/tolerance.hpp"
+#include "client/cli/publish/response/tolerance.hpp"
 
 namespace collided::response {
 namespace {

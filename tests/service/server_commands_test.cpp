@@ -1,4 +1,6 @@
+#include <map>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "idl/command_table.hpp"
 #include "tests/service/server_fixture.hpp"
@@ -221,6 +223,12 @@ TEST_F(ServerCommands, ListCountsAndPlanExplains) {
   const json plan = done(client, "plan", json::object());
   EXPECT_GT(plan["structures"].size(), 3U);
   EXPECT_GT(plan["pairs"].size(), 5U);
+  std::map<std::string, bool> in_use;
+  for (const json& wing : plan["wings"]) in_use[wing["name"]] = wing["in_use"];
+  EXPECT_TRUE(in_use.at("flight recorder"));
+  EXPECT_FALSE(in_use.at("keys"));
+  EXPECT_FALSE(in_use["fleet"] || in_use["authority"]) << "a server alone";
+  EXPECT_EQ(done(client, "figures", json::object())["wings"], plan["wings"]);
 }
 
 }  // namespace

@@ -107,8 +107,8 @@ TEST_F(ServerExplain, AnInstantOfThePastIsExplainedAsItWas) {
 TEST_F(ServerExplain, AFenceSaysWhoIsInHowDeepAndWhoIsNot) {
   start();
   Client client = connect();
-  const Fence dock{.name = "dock", .shape = {BoxShape{.half_m = {1, 1, 1}, .center = {5, 5, 50}}}, .only = "ball*"};
-  ASSERT_TRUE(client.add_fence(dock));
+  const BoxShape box{.half_m = {1, 1, 1}, .center = {5, 5, 50}};
+  ASSERT_TRUE(client.add(Standing{.name = "dock", .only = "ball*", .of = Region{.shape = {box}}}));
   Publisher publisher = publish(client, "pilot");
   const Publisher::Object in = add_ball(publisher, "ball_in", at(5, 5, 50.5));
   add_ball(publisher, "ball_out", at(8, 5, 50));
@@ -117,11 +117,11 @@ TEST_F(ServerExplain, AFenceSaysWhoIsInHowDeepAndWhoIsNot) {
   ASSERT_TRUE(publisher.wait_applied(5s));
   move(publisher, in, at(5, 5, 50.25));
   ASSERT_TRUE(publisher.wait_applied(5s));
-  const json answer = explained(client, {{"fence", "dock"}, {"why_not", "ball_out"}});
+  const json answer = explained(client, {{"standing", "dock"}, {"why_not", "ball_out"}});
   EXPECT_EQ(answer.at("looked_at"), 2);
-  ASSERT_EQ(answer.at("inside").size(), 1u);
-  EXPECT_EQ(answer.at("inside")[0].at("object"), "ball_in");
-  EXPECT_NEAR(answer.at("inside")[0].at("clearance").get<double>(), -(0.75 + 0.1), 1e-9);
+  ASSERT_EQ(answer.at("holds").size(), 1u);
+  EXPECT_EQ(answer.at("holds")[0].at("object"), "ball_in");
+  EXPECT_NEAR(answer.at("holds")[0].at("clearance").get<double>(), -(0.75 + 0.1), 1e-9);
   ASSERT_EQ(answer.at("left_out").size(), 1u);
   EXPECT_EQ(answer.at("left_out")[0].at("object"), "cart");
   EXPECT_EQ(answer.at("left_out")[0].at("why"), "the fence looks at 'ball*' alone");
@@ -131,13 +131,13 @@ TEST_F(ServerExplain, AFenceSaysWhoIsInHowDeepAndWhoIsNot) {
   EXPECT_EQ(answer.at("events")[0].at("what"), "enter");
   EXPECT_EQ(answer.at("events")[0].at("object"), "ball_in");
   // Its event explained.
-  const json event = explained(client, {{"event", answer.at("events")[0].at("sequence")}, {"of", "fences"}});
+  const json event = explained(client, {{"event", answer.at("events")[0].at("sequence")}, {"of", "standing"}});
   EXPECT_EQ(event.at("what"), "enter");
   EXPECT_EQ(event.at("b"), "dock");
   EXPECT_FALSE(event.at("why_wide").empty());
-  EXPECT_NE(refusal(client, {{"fence", "gate"}}).find("no fence 'gate'"), std::string::npos);
-  ASSERT_TRUE(client.add_margin({.name = "close", .around = "ball_in", .only = "cart", .bands_m = {2}}));
-  EXPECT_NE(refusal(client, {{"fence", "close"}}).find("is a margin"), std::string::npos);
+  EXPECT_NE(refusal(client, {{"standing", "gate"}}).find("no standing question 'gate'"), std::string::npos);
+  ASSERT_TRUE(client.add(Standing{.name = "close", .only = "cart", .of = Bands{.around = "ball_in", .bands_m = {2}}}));
+  EXPECT_NE(refusal(client, {{"standing", "close"}}).find("is a margin"), std::string::npos);
 }
 
 // A ball goes 8 m along x towards another: they touch after 2.8 of 6 m, within one motion.
@@ -179,7 +179,7 @@ TEST_F(ServerExplain, AnEventSaysWhatDecidedAndWhyItsBracketIsWide) {
   EXPECT_LT(std::abs(answer.at("before").at("clearance").get<double>()), 1e-4);
   EXPECT_LT(std::abs(answer.at("after").at("clearance").get<double>()), 1e-4);
   EXPECT_NE(refusal(client, {{"event", 999}}).find("no event 999: those of contacts from 1 to"), std::string::npos);
-  EXPECT_NE(refusal(client, {{"event", 1}, {"of", "fences"}}).find("there was none of fences so far"),
+  EXPECT_NE(refusal(client, {{"event", 1}, {"of", "standing"}}).find("there was none of standing questions so far"),
             std::string::npos);
 }
 
@@ -218,18 +218,19 @@ TEST_F(ServerExplain, TheLibraryReadsWhatIsExplained) {
   EXPECT_EQ(pair->nearest->end, ApproachEnd::found);
   EXPECT_LE(pair->nearest->at_least_m, pair->nearest->distance_m + pair->nearest->error_m);
 
-  ASSERT_TRUE(client.add_fence({.name = "dock", .shape = {SphereShape{.radius_m = 2, .center = {8, 0, 50}}}}));
+  const SphereShape region{.radius_m = 2, .center = {8, 0, 50}};
+  ASSERT_TRUE(client.add(Standing{.name = "dock", .of = Region{.shape = {region}}}));
   options.why_not = "near";
-  const Result<ExplainedFence> fence = client.explain_fence("dock", options);
-  ASSERT_TRUE(fence) << fence.error().message;
-  ASSERT_EQ(fence->inside.size(), 1u);
-  EXPECT_EQ(fence->inside[0].object, "wall");
-  EXPECT_EQ(fence->inside[0].verdict, Verdict::hit);
-  EXPECT_TRUE(fence->inside[0].told);
-  ASSERT_TRUE(fence->asked_for);
-  EXPECT_NEAR(fence->asked_for->clearance_m, 2.5, fence->asked_for->error_m + 1e-12);
-  ASSERT_FALSE(fence->events.empty());
-  const Result<ExplainedEvent> event = client.explain_event(fence->events[0].sequence, EventsOf::fences);
+  const Result<ExplainedStanding> dock = client.explain_standing("dock", options);
+  ASSERT_TRUE(dock) << dock.error().message;
+  ASSERT_EQ(dock->holds.size(), 1u);
+  EXPECT_EQ(dock->holds[0].object, "wall");
+  EXPECT_EQ(dock->holds[0].verdict, Verdict::hit);
+  EXPECT_TRUE(dock->holds[0].reported);
+  ASSERT_TRUE(dock->asked_for);
+  EXPECT_NEAR(dock->asked_for->clearance_m, 2.5, dock->asked_for->error_m + 1e-12);
+  ASSERT_FALSE(dock->events.empty());
+  const Result<ExplainedEvent> event = client.explain_event(dock->events[0].sequence, EventsOf::standing);
   ASSERT_TRUE(event) << event.error().message;
   EXPECT_EQ(event->what, "enter");
   EXPECT_EQ(event->a, "wall");
@@ -246,29 +247,31 @@ TEST_F(ServerExplain, TheNearestSaysWhatComesNextAndWhatIsLeftOut) {
   add_sphere(client, "lamp_1", 0.5, {3, 0, 50});
   add_sphere(client, "lamp_2", 0.5, {5, 0, 50});
   add_sphere(client, "lamp_far", 0.5, {40, 0, 50});
-  ASSERT_TRUE(
-      client.add_nearest({.name = "light", .only = "lamp_*", .to = "guest", .within_m = 20, .skip = "lamp_off"}));
-  Result<ExplainedNearest> told = client.explain_nearest("light");
-  const auto is_told = [&] {
-    told = client.explain_nearest("light");
-    return told && told->is;
+  ASSERT_TRUE(client.add(
+      Standing{.name = "light", .only = "lamp_*", .skip = "lamp_off", .of = Nearest{.to = "guest", .within_m = 20}}));
+  Result<ExplainedStanding> light = client.explain_standing("light");
+  const auto is_found = [&] {
+    light = client.explain_standing("light");
+    return light && !light->holds.empty();
   };
-  ASSERT_TRUE(test::eventually(is_told)) << (told ? "nothing is nearest" : told.error().message);
-  EXPECT_EQ(told->is->object, "lamp_1");
-  EXPECT_NEAR(told->is->clearance_m, 2, told->is->error_m);
-  EXPECT_EQ(told->looked_at, 3u);
-  ASSERT_EQ(told->others.size(), 2u);
-  EXPECT_EQ(told->others[0].object, "lamp_2");
-  EXPECT_NEAR(told->others[0].clearance_m, 4, told->others[0].error_m);
-  EXPECT_EQ(told->others[1].object, "lamp_far");
-  ASSERT_EQ(told->left_out.size(), 1u);
-  EXPECT_EQ(told->left_out[0].object, "lamp_off");
-  EXPECT_EQ(told->left_out[0].why_left_out, "the question leaves 'lamp_off' out");
-  EXPECT_EQ(told->cut_short, 0u);
-  ASSERT_EQ(told->events.size(), 1u);
-  EXPECT_EQ(told->events[0].what, "nearest");
-  EXPECT_FALSE(client.explain_nearest("dark"));
-  EXPECT_FALSE(client.explain_fence("light")) << "a question is no fence";
+  ASSERT_TRUE(test::eventually(is_found)) << (light ? "nothing is nearest" : light.error().message);
+  EXPECT_EQ(light->form, StandingForm::nearest);
+  EXPECT_EQ(light->within_m, 20);
+  ASSERT_EQ(light->holds.size(), 1u);
+  EXPECT_EQ(light->holds[0].object, "lamp_1");
+  EXPECT_NEAR(light->holds[0].clearance_m, 2, light->holds[0].error_m);
+  EXPECT_EQ(light->looked_at, 3u);
+  ASSERT_EQ(light->others.size(), 2u);
+  EXPECT_EQ(light->others[0].object, "lamp_2");
+  EXPECT_NEAR(light->others[0].clearance_m, 4, light->others[0].error_m);
+  EXPECT_EQ(light->others[1].object, "lamp_far");
+  ASSERT_EQ(light->left_out.size(), 1u);
+  EXPECT_EQ(light->left_out[0].object, "lamp_off");
+  EXPECT_EQ(light->left_out[0].why_left_out, "the question leaves 'lamp_off' out");
+  EXPECT_EQ(light->cut_short, 0u);
+  ASSERT_EQ(light->events.size(), 1u);
+  EXPECT_EQ(light->events[0].what, "nearest");
+  EXPECT_FALSE(client.explain_standing("dark"));
 }
 
 }  // namespace

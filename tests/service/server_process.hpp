@@ -21,10 +21,15 @@ class ServerProcess : public ::testing::Test {
  protected:
   /// Starts `collided` and waits until it says that it is ready.
   ChildProcess& start(const std::vector<std::string>& options = {}, const std::string& name = "server") {
+    launch(options, name);
+    EXPECT_TRUE(servers_.back()->says("ready:", seconds(20))) << servers_.back()->errors();
+    return *servers_.back();
+  }
+  /// Does not wait.
+  ChildProcess& launch(const std::vector<std::string>& options, const std::string& name) {
     std::vector<std::string> words{COLLIDED_SERVER, "--domain", std::to_string(domain_), "--state-dir", folder_.path()};
     words.insert(words.end(), options.begin(), options.end());
     servers_.push_back(std::make_unique<ChildProcess>(words, folder_.path(), name));
-    EXPECT_TRUE(servers_.back()->says("ready:", seconds(20))) << servers_.back()->errors();
     return *servers_.back();
   }
   /// Runs the server to its end, for starts that are to fail.

@@ -179,7 +179,7 @@ TEST_F(ServerRecording, EveryAnswerIsTheSameAgain) {
   }
   servers_.back()->signal(SIGTERM);
   EXPECT_EQ(servers_.back()->wait(15s), 0);
-  start({}, "again");
+  start({"--fresh"}, "again");
   const Result<ReplayReport> again = replay(here(), {.path = file, .ask = true});
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_EQ(again->questions, 20U * 24U);
@@ -216,7 +216,8 @@ TEST_F(ServerRecording, WhatIsDoneWhileARecordingBeginsIsInItOnce) {
     const auto add_next = [&] {
       const std::string crate = "crate " + std::to_string(added++);
       ASSERT_TRUE(client.add({.name = crate, .shape = {SphereShape{.radius_m = 0.1}}}));
-      ASSERT_TRUE(client.add_fence({.name = "fence of " + crate, .shape = {SphereShape{.radius_m = 1}}, .keep = true}));
+      ASSERT_TRUE(client.add(
+          Standing{.name = "fence of " + crate, .keep = true, .of = Region{.shape = {SphereShape{.radius_m = 1}}}}));
       if (added % 3 == 0) ASSERT_TRUE(client.remove(crate));
       else objects[crate] = 1;
       std::this_thread::sleep_for(10ms);
@@ -249,7 +250,7 @@ TEST_F(ServerRecording, WhatIsDoneWhileARecordingBeginsIsInItOnce) {
   for (const auto& [name, count] : objects) EXPECT_EQ(adds[name], count) << name;
   servers_.back()->signal(SIGTERM);
   ASSERT_EQ(servers_.back()->wait(15s), 0);
-  start({}, "again");
+  start({"--fresh"}, "again");
   const Result<ReplayReport> again = replay(here(), {.path = file, .rate = 100});
   ASSERT_TRUE(again) << again.error().message;
   for (const std::string& warning : again->warnings) ADD_FAILURE() << warning;
@@ -260,7 +261,7 @@ TEST_F(ServerRecording, WhatIsDoneWhileARecordingBeginsIsInItOnce) {
   std::map<std::string, std::size_t> made;
   for (const nlohmann::json& object : answer.at("objects")) ++made[object.at("name")];
   EXPECT_EQ(made, objects);
-  EXPECT_EQ(client.fences()->size(), added);
+  EXPECT_EQ(client.standing()->size(), added);
 }
 
 // What the server itself remembered says the same, from before anybody thought of recording.
@@ -280,7 +281,7 @@ TEST_F(ServerRecording, TheFlightRecorderHasItAll) {
   for (const auto& entry : std::filesystem::directory_iterator(folder_.path())) {
     EXPECT_TRUE(entry.path().extension() != ".mcap" || entry.path() == file) << entry.path() << " was left behind";
   }
-  start({}, "again");
+  start({"--fresh"}, "again");
   const Result<ReplayReport> again = replay(here(), {.path = file, .ask = true});
   ASSERT_TRUE(again) << again.error().message;
   EXPECT_EQ(again->questions, 10U * 24U);
@@ -330,10 +331,7 @@ TEST_F(ServerRecording, RulesAndAttachmentsFromBeforeAreInTheFlightRecorderToo) 
   }
   servers_.back()->signal(SIGTERM);
   EXPECT_EQ(servers_.back()->wait(15s), 0);
-  // What the server itself keeps would bring it all back.
-  for (const auto& entry : std::filesystem::directory_iterator(folder_.path()))
-    if (entry.path() != file) std::filesystem::remove_all(entry.path());
-  start({}, "again");
+  start({"--fresh"}, "again");
   const Result<ReplayReport> again = replay(here(), {.path = file, .ask = true});
   ASSERT_TRUE(again) << again.error().message;
   for (const std::string& difference : again->differences) ADD_FAILURE() << difference;
@@ -533,7 +531,7 @@ TEST_F(ServerRecording, ARecordingGivenFasterThanTheWorldStepsLosesNoPose) {
   }
   servers_.back()->signal(SIGTERM);
   ASSERT_EQ(servers_.back()->wait(15s), 0);
-  start({}, "again");
+  start({"--fresh"}, "again");
   const Result<ReplayReport> again = replay(here(), {.path = file, .rate = 1'000});
   ASSERT_TRUE(again) << again.error().message;
   Client client = connect();

@@ -98,6 +98,9 @@ TEST_F(ServerStandby, ItHoldsWhatPublishersSendAndWhatCommandsDoBeforeAndAfterIt
   move(publisher, mover, at(0, 7, 5));
   EXPECT_TRUE(come_to_agree(speak)) << last_ << standbys_[0]->errors();
   EXPECT_EQ(members()["standby"].scene_fingerprint, members()["primary"].scene_fingerprint);
+  const Result<Plan> plan = client.plan();
+  ASSERT_TRUE(plan) << plan.error().message;
+  EXPECT_TRUE(std::ranges::any_of(plan->wings, [](const Wing& wing) { return wing.name == "fleet" && wing.in_use; }));
 }
 
 TEST_F(ServerStandby, ItAnswersNothingAndTellsNoEvents) {

@@ -114,7 +114,7 @@ TEST_F(ServerUploads, OnlySoManyAreUnderWay) {
 }
 
 // The sender's file is gone and the sender too; the server has what it needs.
-TEST_F(ServerUploads, ACrashLosesNone) {
+TEST_F(ServerUploads, ACrashAndAStopLoseNone) {
   ChildProcess& first = start({}, "first");
   {
     Client client = connect();
@@ -136,9 +136,18 @@ TEST_F(ServerUploads, ACrashLosesNone) {
   }
   second.signal(SIGTERM);
   EXPECT_EQ(second.wait(10s), 0);
-  start({}, "third");
+  ChildProcess& third = start({}, "third");
+  {
+    Client client = connect();
+    EXPECT_TRUE(test::eventually([&] { return is_there(client, 50.5); }, 15s)) << "a stop loses none either";
+  }
+  third.signal(SIGTERM);
+  EXPECT_EQ(third.wait(10s), 0);
+  start({"--fresh"}, "fourth");
   Client client = connect();
-  EXPECT_FALSE(is_there(client, 50.5)) << "a stop in order forgets";
+  EXPECT_FALSE(is_there(client, 50.5));
+  for (const auto& entry : std::filesystem::recursive_directory_iterator(folder_.path()))
+    EXPECT_NE(entry.path().filename(), "kept.obj") << "what nothing needs is removed";
 }
 
 // Another scene has taken its name at one start: it is told as missing, and is there once the name is free again.

@@ -241,7 +241,7 @@ class WireAnswering : public testing::Test {
     reader.reset();
     answering.reset();
     answering = std::make_unique<Answering>(
-        Answering::Collaborators{world, clock, write_barriers, leases, counts, audit, part_meshes, samples},
+        Answering::Collaborators{world, clock, write_barriers, leases, counts, audit, part_meshes, samples, place},
         reply_topic, options, [](CommandAsk) {});
     reader.emplace(query_topic, dds::ReaderOptions<wire::Query>{.data = [this](const dds::Taker<wire::Query>& taker) {
                      answering->listen(taker);
@@ -302,6 +302,7 @@ class WireAnswering : public testing::Test {
   BackgroundAudit audit{0, {}};
   PartMeshes part_meshes;
   QuestionSamples samples;
+  const Place place;
   std::vector<double> grazing;
   const std::vector<double> down{0, 0, 60, 0, 0, -1, 20};
   std::uint64_t request = 0;

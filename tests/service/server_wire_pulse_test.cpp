@@ -4,7 +4,7 @@
 #include <thread>
 #include <vector>
 
-#include "server/service/fleet/primary_pulse.hpp"
+#include "server/fleet/primary_pulse.hpp"
 #include "tests/service/eventually.hpp"
 #include "tests/service/own_domain.hpp"
 

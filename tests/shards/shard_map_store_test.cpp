@@ -13,7 +13,7 @@
 
 #include "idl/shards/shard_map_store.hpp"
 #include "tests/oracle/seed.hpp"
-#include "tests/unit/service/fake_lease_store.hpp"
+#include "tests/unit/fleet/fake_lease_store.hpp"
 
 namespace collided::shards {
 namespace {

@@ -31,14 +31,14 @@ void RecordingEventWriter::check(const service::EventColumns& events, std::size_
 
 void RecordingEventWriter::write_events(const service::EventColumns& events, const service::Stamp& stamp) {
   for (std::size_t i = 0; i < events.size(); ++i) check(events, i);
-  if (voice_ == Voice::is_silent) untold_.keep(events, stamp, false, now_ns_);
+  if (voice_ == Voice::is_silent) untold_.keep(events, stamp, now_ns_);
   else write_frame(events, stamp, false);
 }
 
 std::uint64_t RecordingEventWriter::speak(const service::SpokenBefore& before) {
   voice_ = Voice::speaks;
   std::uint64_t first = 0;
-  untold_.tell_all(before, [&](const service::UntoldEvents::UntoldFrame& frame) {
+  untold_.tell_all(before, [&](const auto& frame) {
     write_frame(frame.events, frame.stamp, true);
     if (first == 0) first = frame.events.first_sequence;
   });

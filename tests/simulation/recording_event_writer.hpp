@@ -48,7 +48,7 @@ class RecordingEventWriter : public service::EventWriter {
 
   std::uint64_t epoch_;
   Voice voice_;
-  service::UntoldEvents untold_;
+  service::UntoldEvents<service::EventColumns> untold_;
   std::FILE* to_;
   Violation violation_;
   std::int64_t now_ns_ = 0;

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "server/service/fleet/world_comparison.hpp"
+#include "server/fleet/world_comparison.hpp"
 #include "tests/simulation/seeded_choices.hpp"
 #include "tests/simulation/simulated_publisher.hpp"
 #include "tests/simulation/simulated_server.hpp"

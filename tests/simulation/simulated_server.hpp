@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "server/service/events/broadcast.hpp"
-#include "server/service/fleet/instant_digest.hpp"
+#include "server/fleet/instant_digest.hpp"
 #include "server/service/ingest/publishers.hpp"
 #include "server/world/world.hpp"
 #include "tests/simulation/recording_event_writer.hpp"

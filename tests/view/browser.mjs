@@ -284,9 +284,9 @@ async function opensRecordings(page) {
   await addEveryKind(page);
   const fenced = collide("fence", "add", "yard", "box", "0", "0", "0", "3", "3", "3", "--keep");
   check(fenced.status === 0, `fence: ${fenced.stderr}`);
-  const fences = () => page.evaluate(() => JSON.stringify(collidedPage.fences.all.map(({ name, lines }) => [name, lines.map((line) => line.map(Number))])));
-  await until("the fence is shown", () => page.evaluate(() => collidedPage.fences.all.length === 1));
-  const liveFences = await fences();
+  const standing = () => page.evaluate(() => JSON.stringify(collidedPage.standing.all.map(({ name, lines }) => [name, lines.map((line) => line.map(Number))])));
+  await until("the fence is shown", () => page.evaluate(() => collidedPage.standing.all.length === 1));
+  const liveStanding = await standing();
   const live = await told();
   const file = join(scratch, "run.mcap");
   const said = collide("record", file, "--for", "1500ms");
@@ -317,7 +317,7 @@ async function opensRecordings(page) {
   };
   await page.setInputFiles("#file", file);
   await shows("run.mcap");
-  check(await fences() === liveFences, `run.mcap: the fences are ${await fences()}, live they were ${liveFences}`);
+  check(await standing() === liveStanding, `run.mcap: the standing questions are ${await standing()}, live they were ${liveStanding}`);
   check(collide("fence", "rm", "yard").status === 0, "fence rm");
   await page.click("#live");
   await until("the page is live again", async () => (await page.locator("#recording").isHidden()) && (await isReady(page)));

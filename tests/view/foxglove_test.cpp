@@ -105,7 +105,7 @@ TEST_F(FoxgloveTest, TheSceneComesToWhoSubscribes) {
   foxglove.opened(1);
   sent.clear();
   foxglove.objects(world());
-  EXPECT_TRUE(sent.empty()) << "nobody has subscribed";
+  EXPECT_TRUE(sent.empty()) << "no client has subscribed";
   subscribe(5, 1);
   const auto [subscription, scene] = data();
   EXPECT_EQ(subscription, 5U);
@@ -163,20 +163,28 @@ TEST_F(FoxgloveTest, ContactsAreArrowsForASecond) {
   EXPECT_EQ(data().second["what"], "ended");
 }
 
-// In the frame of what moves, in the world for what stands still there; who subscribes later is told too.
-TEST_F(FoxgloveTest, FencesAreLinesThatAreLitWhenEntered) {
+// In the frame of what moves, in the world for what stands still there; a later subscriber receives them too.
+TEST_F(FoxgloveTest, StandingQuestionsAreLinesThatAreLitWhileTheyHoldSomething) {
   foxglove.opened(1);
   foxglove.objects(world());
   sent.clear();
-  const std::vector<std::vector<Vec3>> line{{{0, 0, 0}, {1, 0, 0}}};
-  std::vector<draw::FenceOutline> fences(4);
-  fences[0] = {.name = "dock", .inside = {"ball"}, .in_doubt = {}, .lines = line};
-  fences[1] = {
-      .name = "close", .is_band = true, .within_m = 2, .to = "ball", .inside = {}, .in_doubt = {}, .lines = line};
-  fences[2] = {.name = "zone", .to = "crate", .inside = {}, .in_doubt = {}, .lines = line};
-  fences[3] = {.name = "escape", .inside = {"ball"}, .lines = line, .is_nearest = true, .of = "guest", .distance_m = 1};
-  foxglove.fences(fences);
-  EXPECT_TRUE(sent.empty()) << "nobody has subscribed";
+  std::vector<draw::StandingOutline> outlines(4);
+  for (draw::StandingOutline& outline : outlines) outline.lines = {{0, 0, 0, 1, 0, 0}};
+  outlines[0].name = "dock";
+  outlines[0].holds = {{.object = "ball"}};
+  outlines[1].name = "close";
+  outlines[1].form = StandingForm::bands;
+  outlines[1].about = "ball";
+  outlines[1].band_m = 2;
+  outlines[2].name = "zone";
+  outlines[2].to = "crate";
+  outlines[3].name = "escape";
+  outlines[3].form = StandingForm::nearest;
+  outlines[3].to = "crate";
+  outlines[3].holds = {{.object = "ball"}};
+  outlines[3].distance_m = 1;
+  foxglove.standing(outlines);
+  EXPECT_TRUE(sent.empty()) << "no client has subscribed";
   subscribe(4, 5);
   const json update = data().second;
   EXPECT_EQ(update["deletions"].size(), 1U) << "those that are gone";
@@ -193,15 +201,17 @@ TEST_F(FoxgloveTest, FencesAreLinesThatAreLitWhenEntered) {
   EXPECT_EQ(zone["frame_id"], "world");
   EXPECT_EQ(zone["lines"][0]["points"][0], json({{"x", 1.}, {"y", 2.}, {"z", 3.}}));
   EXPECT_TRUE(zone["texts"].empty());
-  // The line to what is nearest has its length in the middle.
+  // The line to what is nearest is in the world, with its length in the middle.
   const json& escape = update["entities"][3];
+  EXPECT_EQ(escape["frame_id"], "world");
+  EXPECT_EQ(escape["lines"][0]["points"][0], json({{"x", 0.}, {"y", 0.}, {"z", 0.}}));
   EXPECT_EQ(escape["texts"][0]["text"], "escape 1 m");
   EXPECT_EQ(escape["texts"][0]["pose"]["position"], json({{"x", 0.5}, {"y", 0.}, {"z", 0.}}));
   EXPECT_EQ(escape["lines"][0]["color"], dock["lines"][0]["color"]);
 }
 
 // Scenes are large: while one waits for a client, a newer one of the same subscription takes its place, and of no other.
-TEST_F(FoxgloveTest, ScenesTransformsAndFencesReplaceEarlierOnesThatWait) {
+TEST_F(FoxgloveTest, ScenesTransformsAndStandingQuestionsReplaceEarlierOnesThatWait) {
   foxglove.opened(1);
   foxglove.objects(world());
   sent.clear();
@@ -212,7 +222,7 @@ TEST_F(FoxgloveTest, ScenesTransformsAndFencesReplaceEarlierOnesThatWait) {
   sent.clear();
   foxglove.objects(world());
   foxglove.poses(poses(2'000'000'000));
-  foxglove.fences({});
+  foxglove.standing({});
   std::set<std::uint8_t> lanes;
   for (const Sent& one : sent) EXPECT_TRUE(lanes.insert(one.message.lane).second) << "two subscriptions share a lane";
   EXPECT_EQ(lanes.size(), 6U);

@@ -25,7 +25,7 @@ export async function anHourIsForgotten() {
   const kept = async () => {
     await session.send("HeapProfiler.collectGarbage");
     const { usedSize } = await session.send("Runtime.getHeapUsage");
-    const counts = await page.evaluate(() => Object.fromEntries(["frames", "changes", "others", "tables", "fences"].map((list) => [list, collidedPage.timeline.history[list].length])));
+    const counts = await page.evaluate(() => Object.fromEntries(["frames", "changes", "others", "tables", "standing"].map((list) => [list, collidedPage.timeline.history[list].length])));
     return { heap: usedSize / 1e6, ...counts };
   };
   // Contacts that are over are kept too, 2,000 of them: there are as many after 20 minutes.
@@ -34,7 +34,7 @@ export async function anHourIsForgotten() {
     const early = await kept();
     await hear(1200, 3600, moves);
     const late = await kept();
-    for (const list of ["frames", "changes", "others", "tables", "fences"]) check(late[list] <= early[list] + 25, `${what}: ${late[list]} ${list} after an hour, ${early[list]} after 20 minutes`);
+    for (const list of ["frames", "changes", "others", "tables", "standing"]) check(late[list] <= early[list] + 25, `${what}: ${late[list]} ${list} after an hour, ${early[list]} after 20 minutes`);
     check(late.others <= 70, `${what}: ${late.others} statuses; two a second of 30 s are 60`);
     check(await page.evaluate(() => Boolean(collidedPage.timeline.history.frameAt(collidedPage.timeline.begin()))), `${what}: going back shows no poses`);
     const most = 3;  // MB; what the browser compiles comes and goes. A status of 20 publishers has 2 kB, those of 40 minutes have 10 MB

@@ -41,24 +41,40 @@ TEST(PageMessages, ASurfaceFarOutKeepsItsDigits) {
   EXPECT_EQ(at<std::uint32_t>(bytes, 32 + 36 + 8), 2U);
 }
 
-TEST(PageMessages, FencesComeWithTheirLinesAndWhoIsIn) {
-  std::vector<draw::FenceOutline> fences(3);
-  fences[0] = {.name = "dock", .inside = {"ball"}, .in_doubt = {"cart"}, .lines = {{{0, 1, 2}, {3, 4, 5}}}};
-  fences[1] = {
-      .name = "close", .is_band = true, .within_m = 0.5, .to = "person", .inside = {}, .in_doubt = {}, .lines = {}};
-  fences[2] = {.name = "escape", .inside = {"door_1"}, .is_nearest = true, .of = "guest", .distance_m = 1.5};
-  const nlohmann::json told = nlohmann::json::parse(fences_text(fences));
-  EXPECT_EQ(told.at("type"), "fences");
-  const nlohmann::json& dock = told.at("fences")[0];
-  EXPECT_EQ(dock.at("lines"), (nlohmann::json{{0.0, 1.0, 2.0, 3.0, 4.0, 5.0}}));
-  EXPECT_EQ(dock.at("inside"), nlohmann::json{"ball"});
-  EXPECT_EQ(dock.at("in_doubt"), nlohmann::json{"cart"});
-  EXPECT_FALSE(dock.contains("within"));
-  EXPECT_EQ(told.at("fences")[1].at("within"), 0.5);
-  EXPECT_EQ(told.at("fences")[1].at("to"), "person");
-  EXPECT_FALSE(told.at("fences")[1].contains("nearest_to"));
-  EXPECT_EQ(told.at("fences")[2].at("nearest_to"), "guest");
-  EXPECT_EQ(told.at("fences")[2].at("distance"), 1.5);
+// As the server lists them, with the distance of what is nearest.
+TEST(PageMessages, StandingQuestionsComeWithTheirLinesAndWhatTheyHold) {
+  std::vector<draw::StandingOutline> outlines(3);
+  outlines[0].name = "dock";
+  outlines[0].only = "cart*";
+  outlines[0].holds = {{.object = "ball"}, {.object = "cart", .in_doubt = true}};
+  outlines[0].lines = {{0, 1, 2, 3, 4, 5}};
+  outlines[1].name = "close";
+  outlines[1].form = StandingForm::bands;
+  outlines[1].about = "person";
+  outlines[1].band_m = 0.5;
+  outlines[2].name = "escape";
+  outlines[2].form = StandingForm::nearest;
+  outlines[2].to = "guest";
+  outlines[2].distance_m = 1.5;
+  const json text = json::parse(standing_text(outlines));
+  EXPECT_EQ(text.at("type"), "standing");
+  const json& dock = text.at("standing")[0];
+  EXPECT_EQ(dock.at("form"), "region");
+  EXPECT_EQ(dock.at("only"), "cart*");
+  EXPECT_EQ(dock.at("lines"), (json{{0.0, 1.0, 2.0, 3.0, 4.0, 5.0}}));
+  EXPECT_EQ(dock.at("holds")[0], json::parse(R"({"object":"ball","in_doubt":false,"since_ns":0})"));
+  EXPECT_EQ(dock.at("holds")[1].at("in_doubt"), true);
+  EXPECT_FALSE(dock.contains("band"));
+  const json& close = text.at("standing")[1];
+  EXPECT_EQ(close.at("form"), "bands");
+  EXPECT_EQ(close.at("about"), "person");
+  EXPECT_EQ(close.at("band"), 0.5);
+  EXPECT_EQ(close.at("holds"), json::array());
+  EXPECT_FALSE(close.contains("distance"));
+  const json& escape = text.at("standing")[2];
+  EXPECT_EQ(escape.at("form"), "nearest");
+  EXPECT_EQ(escape.at("to"), "guest");
+  EXPECT_EQ(escape.at("distance"), 1.5);
 }
 
 TEST(PageMessages, PosesLieAsThePageReadsThem) {

@@ -239,11 +239,12 @@ const boxLines = (low, high) => [0, 1, 2].flatMap((axis) => [0, 1, 2, 3].map((co
   end[axis] = high[axis];
   return [...point, ...end];
 }));
-const fence = (name, lines, more = {}) => ({ name, to: "", inside: [], in_doubt: [], lines, ...more });
+const region = (name, lines, more = {}) => ({ name, form: "region", holds: [], lines, ...more });
+const held = (object, more = {}) => ({ object, in_doubt: false, since_ns: 0, ...more });
 
-/// Fences are outlines that are lit and listed first while something is in them, and go where their carrier goes; going
+/// Standing questions are outlines that are lit and listed first while they hold something, and go where their carrier goes; going
 /// back in time shows who was in then.
-export async function fencesAreLitWhileEntered() {
+export async function standingQuestionsAreLitWhileTheyHoldSomething() {
   const world = hall();
   const page = await open(world);
   const accents = () => page.evaluate(() => {
@@ -251,17 +252,17 @@ export async function fencesAreLitWhileEntered() {
     const of = (accent) => Array.from({ length: count }, (_, i) => data[10 * i + 9]).filter((one) => one === accent).length;
     return [of(0), of(1)];
   });
-  check(await page.evaluate(() => document.getElementById("panel-fences").hidden), "fences are listed though there are none");
+  check(await page.evaluate(() => document.getElementById("panel-standing").hidden), "standing questions are listed though there are none");
   const dock = boxLines([1, -1, 0], [4, 2, 1.6]);
-  const all = (inside) => [
-    fence("gate", boxLines([-4, -2, 0], [-2, -1, 1])), fence("dock", dock, { inside }),
-    fence("close", circles(1.2), { to: "ball_1", within: 0.8 }), fence("nobody's", circles(1), { to: "not there" }), fence(kHostile[0], circles(0.2)),
+  const all = (holds) => [
+    region("gate", boxLines([-4, -2, 0], [-2, -1, 1])), region("dock", dock, { holds }),
+    region("close", circles(1.2), { form: "bands", about: "ball_1", band: 0.8 }), region("nobody's", circles(1), { to: "not there" }), region(kHostile[0], circles(0.2)),
   ];
-  world.tell({ type: "fences", fences: all([]) });
+  world.tell({ type: "standing", standing: all([]) });
   await until("they are drawn", async () => (await accents())[0] === 24 + 2 * 96);
-  check((await accents())[1] === 0, "an empty fence is lit");
+  check((await accents())[1] === 0, "an empty one is lit");
   const before = await page.evaluate(() => performance.now() / 1000);
-  world.tell({ type: "fences", fences: all(["ball_2"]) });
+  world.tell({ type: "standing", standing: all([held("ball_2")]) });
   await until("the entered one is lit", async () => (await accents()).join() === `${12 + 2 * 96},12`);
   await page.evaluate((t) => {
     collidedPage.timeline.pause();
@@ -270,10 +271,10 @@ export async function fencesAreLitWhileEntered() {
   await until("it was empty then", async () => (await accents())[1] === 0);
   await page.evaluate(() => collidedPage.timeline.live());
   await until("and is entered now", async () => (await accents())[1] === 12);
-  await until("it is listed first", async () => /^dockball_2/.test(await textOf(page, "#fences")));
-  check(/5, 1 entered/.test((await textOf(page, "#fence-count")).replace(/\u2009/g, "")), "the count is not told");
-  check((await page.evaluate(() => document.querySelector("#fences").innerHTML)).includes("&lt;img"), "a name is read as HTML");
-  await picture(page, "fences_entered");
+  await until("it is listed first", async () => /^dockball_2/.test(await textOf(page, "#standing")));
+  check(/5, 1 entered/.test((await textOf(page, "#standing-count")).replace(/\u2009/g, "")), "the count is not told");
+  check((await page.evaluate(() => document.querySelector("#standing").innerHTML)).includes("&lt;img"), "a name is read as HTML");
+  await picture(page, "standing_held");
   world.objects.find(({ name }) => name === "ball_1").pose[0] = -1;
   world.move(2);
   await until("the band goes along", () => page.evaluate(() => {
@@ -283,13 +284,15 @@ export async function fencesAreLitWhileEntered() {
     for (let i = 0; i < count; ++i) if (data[10 * i + 8] < 0.35) least = Math.min(least, data[10 * i] + anchor[0]);
     return Math.abs(least - (-1 - 1.2)) < 1e-3;
   }));
-  await page.click("#fences .link");
-  check(await page.evaluate(() => Math.abs(collidedPage.camera.target[0] - 2.5) < 1e-6), "a click does not go to the fence");
-  world.tell({ type: "fences", fences: all([]) });
+  await page.click("#standing .link");
+  check(await page.evaluate(() => Math.abs(collidedPage.camera.target[0] - 2.5) < 1e-6), "a click does not go to it");
+  world.tell({ type: "standing", standing: all([]) });
   await until("it is empty again", async () => (await accents())[1] === 0);
-  await picture(page, "fences_empty");
-  world.tell({ type: "fences", fences: [] });
-  await until("none is left", () => page.evaluate(() => document.getElementById("panel-fences").hidden));
+  await picture(page, "standing_empty");
+  world.tell({ type: "standing", standing: [region("escape", [[0, 0, 0, 1.5, 0, 0]], { form: "nearest", to: "ball_1", distance: 1.5, holds: [held("ball_2", { in_doubt: true })] })] });
+  await until("what is nearest has its distance", async () => /^escape 1\.5 m from ball_1perhaps ball_2/.test(await textOf(page, "#standing")));
+  world.tell({ type: "standing", standing: [] });
+  await until("none is left", () => page.evaluate(() => document.getElementById("panel-standing").hidden));
   await shut(page);
 }
 

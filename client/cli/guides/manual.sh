@@ -27,6 +27,9 @@ see_also() { printf '# SEE ALSO\n%s(1)' "$1" && shift && printf ', collided-%s(7
   as_it_is "$COLLIDE" help options
   printf '# VERBS\n\n'
   for verb in $("$COLLIDE" complete -- ''); do
+    why=$("$COLLIDE" help "$verb" 2>&1 >/dev/null) || case $why in
+      *'was not found'*) continue ;;  # this build leaves its program out
+    esac
     printf '## %s\n' "$verb"
     as_it_is "$COLLIDE" help "$verb"
   done

@@ -43,6 +43,12 @@ class LineReader {
   bool cut_ = false;
 };
 
+/// The source of the lines of `collide -` and `collide shell`.
+struct LineSource {
+  std::function<bool(std::string& line)> next;  // false at the end; may wait
+  std::function<std::size_t()> number = {};     // of the last line, for errors; none where a person types
+};
+
 /// A file opened for reading, or the descriptor `in` for "-". Throws Failure with the reason.
 class InputFile {
  public:

@@ -1,36 +1,30 @@
 #include "client/cli/output/event_poster.hpp"
 
 #include <algorithm>
-#include <memory>
 #include <utility>
 
-#include <curl/curl.h>
 #include <fmt/format.h>
 
 #include "client/cli/failure.hpp"
+#include "idl/module.hpp"
 
 namespace collided::cli {
 namespace {
 
 constexpr long kOk = 200, kNotOk = 300, kTimedOut = 408, kTooMany = 429, kServersFault = 500;
 
-/// The answer's body is of no use.
-std::size_t ignore(char*, std::size_t size, std::size_t count, void*) { return size * count; }
-
-/// Set up once in a process, before its threads.
-void set_up_once() {
-  static const CURLcode set_up = curl_global_init(CURL_GLOBAL_DEFAULT);
-  static_cast<void>(set_up);
+const http::HttpModule& module_for_posts() {
+  try {
+    return http::http_module("--post");
+  } catch (const ModuleMissing& missing) { throw bad_use(missing.what()); }
 }
 
 }  // namespace
 
-EventPoster::EventPoster(const std::string& url, const PostLimits& limits) : url_(url), limits_(limits) {
-  const std::unique_ptr<CURLU, decltype(&curl_url_cleanup)> parts(curl_url(), curl_url_cleanup);
-  const bool is_web = (url.starts_with("http://") || url.starts_with("https://")) &&
-                      curl_url_set(parts.get(), CURLUPART_URL, url.c_str(), 0) == CURLUE_OK;
-  if (!is_web) throw bad_use(fmt::format("'{}' is no web address", url), "such as http://127.0.0.1:8080/contacts");
-  set_up_once();
+EventPoster::EventPoster(const std::string& url, const PostLimits& limits)
+    : http_(module_for_posts()), url_(url), limits_(limits) {
+  if (!http_.is_web_address(url))
+    throw bad_use(fmt::format("'{}' is no web address", url), "such as http://127.0.0.1:8080/contacts");
   thread_ = std::thread([this] { run(); });
 }
 
@@ -92,31 +86,19 @@ void EventPoster::run() {
 
 EventPoster::Delivery EventPoster::deliver(const std::string& body) {
   // A connection of its own for each body: posts are some ten a second, and a receiver that was replaced is found again.
-  const std::unique_ptr<CURL, decltype(&curl_easy_cleanup)> request(curl_easy_init(), curl_easy_cleanup);
-  curl_slist* headers = curl_slist_append(nullptr, "Content-Type: application/json");
-  const std::unique_ptr<curl_slist, decltype(&curl_slist_free_all)> held(headers, curl_slist_free_all);
-  const auto stops = [](void* self, curl_off_t, curl_off_t, curl_off_t, curl_off_t) {
-    return static_cast<EventPoster*>(self)->is_over() ? 1 : 0;
-  };
-  curl_easy_setopt(request.get(), CURLOPT_URL, url_.c_str());
-  curl_easy_setopt(request.get(), CURLOPT_PROTOCOLS_STR, "http,https");
-  curl_easy_setopt(request.get(), CURLOPT_HTTPHEADER, headers);
-  curl_easy_setopt(request.get(), CURLOPT_POSTFIELDS, body.data());
-  curl_easy_setopt(request.get(), CURLOPT_POSTFIELDSIZE_LARGE, static_cast<curl_off_t>(body.size()));
-  curl_easy_setopt(request.get(), CURLOPT_WRITEFUNCTION, ignore);
-  curl_easy_setopt(request.get(), CURLOPT_TIMEOUT_MS, static_cast<long>(limits_.a_try.count()));
-  curl_easy_setopt(request.get(), CURLOPT_NOSIGNAL, 1L);
-  curl_easy_setopt(request.get(), CURLOPT_NOPROGRESS, 0L);
-  curl_easy_setopt(request.get(), CURLOPT_XFERINFOFUNCTION,
-                   static_cast<int (*)(void*, curl_off_t, curl_off_t, curl_off_t, curl_off_t)>(stops));
-  curl_easy_setopt(request.get(), CURLOPT_XFERINFODATA, this);
-  const CURLcode code = curl_easy_perform(request.get());
-  long status = 0;
-  curl_easy_getinfo(request.get(), CURLINFO_RESPONSE_CODE, &status);
-  if (code == CURLE_OK && status >= kOk && status < kNotOk) return Delivery::done;
+  http::HttpAnswer answer;
+  http_.post({.url = url_,
+              .body = body,
+              .patience_ns = std::chrono::nanoseconds(limits_.a_try).count(),
+              .is_web = true,
+              .is_over = [this] { return is_over(); }},
+             answer);
+  const bool is_answered = answer.problem.empty();
+  if (is_answered && answer.status >= kOk && answer.status < kNotOk) return Delivery::done;
   const std::lock_guard lock(mutex_);
-  counts_.last_failure = code == CURLE_OK ? fmt::format("answered {}", status) : curl_easy_strerror(code);
-  const bool is_passing = code != CURLE_OK || status >= kServersFault || status == kTimedOut || status == kTooMany;
+  counts_.last_failure = is_answered ? fmt::format("answered {}", answer.status) : answer.problem;
+  const bool is_passing =
+      !is_answered || answer.status >= kServersFault || answer.status == kTimedOut || answer.status == kTooMany;
   return is_passing ? Delivery::failed : Delivery::refused;
 }
 

@@ -9,6 +9,8 @@
 #include <string>
 #include <thread>
 
+#include "idl/http/http_post.hpp"
+
 namespace collided::cli {
 
 /// How far an EventPoster goes.
@@ -35,7 +37,7 @@ class EventPoster {
     std::string last_failure = {};
   };
 
-  /// Throws Failure for what is no http:// or https:// address.
+  /// Throws Failure for what is no http:// or https:// address, or where the module for HTTP is missing.
   explicit EventPoster(const std::string& url, const PostLimits& limits = {});
   /// Sends no more.
   ~EventPoster();
@@ -52,6 +54,7 @@ class EventPoster {
   Delivery deliver(const std::string& body);
   bool is_over();
 
+  const http::HttpModule& http_;
   const std::string url_;
   const PostLimits limits_;
   std::mutex mutex_;

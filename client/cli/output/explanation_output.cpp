@@ -12,6 +12,7 @@
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/described_record.hpp"
+#include "client/cli/output/standing_output.hpp"
 #include "idl/answers/explanation.hpp"
 
 namespace collided::cli {
@@ -128,61 +129,72 @@ void print_doubts(Printer& printer, const ExplainedRay& ray) {
     printer.line("  late     the deadline was over: nearer misses may be missing; a longer --deadline says more");
 }
 
-// ---- a fence, and the nearest --------------------------------------------------------------------------------------
+// ---- a standing question -------------------------------------------------------------------------------------------
 
 /// "0.2 m deep" or "1.2 m away", with its bound.
-std::string standing_text(const Printer& printer, const ExplainedStanding& standing) {
-  if (std::isinf(standing.clearance_m)) return "how far was not looked at";
-  const std::string far = readable_length(std::abs(standing.clearance_m), standing.error_m, printer.digits());
-  if (standing.verdict == Verdict::undecided) return fmt::format("undecided, {} from its border", far);
-  return standing.verdict == Verdict::hit ? far + " deep" : far + " away";
+std::string clearance_text(const Printer& printer, const ExplainedObject& object) {
+  if (std::isinf(object.clearance_m)) return "how far was not looked at";
+  const std::string far = readable_length(std::abs(object.clearance_m), object.error_m, printer.digits());
+  if (object.verdict == Verdict::undecided) return fmt::format("undecided, {} from its border", far);
+  return object.verdict == Verdict::hit ? far + " deep" : far + " away";
 }
 
-/// How an object stands to a fence: "  WORD     NAME  0.2 m deep".
-void print_standing(Printer& printer, std::string_view word, const ExplainedStanding& standing) {
-  std::string line = fmt::format("  {:<8} {}  {}", word, printable(standing.object), standing_text(printer, standing));
-  if (standing.told) line += "  since " + clock_text(standing.since.value_or(std::chrono::nanoseconds(0)));
-  if (!standing.doubt.empty()) line += fmt::format("  in doubt ({})", standing.doubt);
-  if (standing.stale) line += "  stale";
-  if (!standing.why_left_out.empty()) line += "; " + printable(standing.why_left_out);
+/// "  WORD     NAME  0.2 m deep"
+void print_object(Printer& printer, std::string_view word, const ExplainedObject& object) {
+  std::string line = fmt::format("  {:<8} {}  {}", word, printable(object.object), clearance_text(printer, object));
+  if (object.reported) line += "  since " + clock_text(object.since.value_or(std::chrono::nanoseconds(0)));
+  if (!object.doubt.empty()) line += fmt::format("  in doubt ({})", object.doubt);
+  if (object.stale) line += "  stale";
+  if (!object.why_left_out.empty()) line += "; " + printable(object.why_left_out);
   // It may have moved on since the last step that was decided for both.
-  if (word == "inside" && standing.told && standing.verdict == Verdict::miss)
+  if (word == "inside" && object.reported && object.verdict == Verdict::miss)
     line += ", by poses that are not decided yet";
   printer.line(line);
 }
-void print_standings(Printer& printer, std::string_view word, const std::vector<ExplainedStanding>& standings) {
-  for (const ExplainedStanding& standing : standings) print_standing(printer, word, standing);
-}
 
-/// Of a fence or a question for the nearest: what it does not look at, what was asked for, its last events.
-template <class Explained>
-void print_rest(Printer& printer, const Explained& told) {
-  print_standings(printer, "left out", told.left_out);
-  if (told.asked_for) print_standing(printer, "asked", *told.asked_for);
-  for (const ExplainedNews& news : told.events)
-    printer.line(fmt::format("  event    {} {} {}{}  seq {}", clock_text(news.high), news.what, printable(news.object),
-                             news.why.empty() ? "" : fmt::format("  ({})", news.why), news.sequence));
-}
-
-void print_late_search(Printer& printer, bool is_late) {
-  if (is_late) printer.line("  late     the deadline was over: some were not looked at; a longer --deadline says more");
-}
-
-/// At which objects it looks, by its globs and mask.
-template <class Explained>
-std::string seen_text(const Explained& told) {
-  std::string text = told.only.empty() ? "all that moves" : fmt::format("'{}'", printable(told.only));
-  if (!told.skip.empty()) text += fmt::format(" but '{}'", printable(told.skip));
-  if (told.mask != 0xffffffff) text += fmt::format(", of the layers {:#x}", told.mask);
+/// Which objects it looks at, by its globs and mask.
+std::string seen_text(const ExplainedStanding& standing) {
+  std::string text = standing.only.empty() ? "all that moves" : fmt::format("'{}'", printable(standing.only));
+  if (!standing.skip.empty()) text += fmt::format(" but '{}'", printable(standing.skip));
+  if (standing.mask != 0xffffffff) text += fmt::format(", of the layers {:#x}", standing.mask);
   return text;
 }
 
-/// What the distances are to: an object, or a point.
-std::string target_text(const ExplainedNearest& nearest) {
-  if (!nearest.to.empty()) return printable(nearest.to);
-  if (!nearest.point) return "nothing";
-  const Vec3& point = *nearest.point;
-  return fmt::format("{} {} {}", format_number(point.x()), format_number(point.y()), format_number(point.z()));
+/// What it is and what it holds, where it stands, and what it looks at.
+void print_definition(Printer& printer, const ExplainedStanding& standing) {
+  const std::string name = printable(standing.name);
+  if (is_of_nearest(standing)) {
+    printer.line(fmt::format("{}: {} is nearest", name,
+                             standing.holds.empty() ? "nothing" : printable(standing.holds.front().object)));
+  } else {
+    printer.line(fmt::format("{}: a {}{}, {} in it", name, standing.kind,
+                             standing.to.empty() ? "" : " on " + printable(standing.to),
+                             standing.holds.empty() ? "nothing" : std::to_string(standing.holds.size())));
+  }
+  if (!standing.placed)
+    printer.line(fmt::format("  nowhere  {} is not there, so it looks at nothing", printable(standing.to)));
+  const std::string seen = fmt::format("  looks at {}: {} now", seen_text(standing), standing.looked_at);
+  if (!is_of_nearest(standing))
+    return printer.line(fmt::format("{}; reports {}", seen, fmt::join(standing.detect, ", ")));
+  const auto length = [&](double metres) { return readable_length(metres, 0, printer.digits()); };
+  printer.line(fmt::format("{}, within {} of {}", seen, length(standing.within_m), target_text(standing)));
+  if (standing.hysteresis_m > 0)
+    printer.line(fmt::format("           another one must be nearer by {}", length(standing.hysteresis_m)));
+}
+
+Record standing_record(const ExplainedStanding& standing) {
+  Record record = explanation_record(standing);
+  place_of(record, "name")->name = "standing";
+  place_of(record, "kind")->name = "region";
+  put_null(place_of(record, "asked_for")->value);
+  const bool has_nearest = is_of_nearest(standing) && !standing.holds.empty();
+  const ExplainedObject* const nearest = has_nearest ? &standing.holds.front() : nullptr;
+  insert_object(record, "holds", nearest, nearest ? nearest->clearance_m : 0);
+  record.insert(place_of(record, "holds"), {"holds_count", std::uint64_t{standing.holds.size()}});
+  // Of a recording they would be the replay's searches.
+  const bool is_counted = is_of_nearest(standing) && standing.version != 0;
+  place_of(record, "cut_short")->value = is_counted ? Value(standing.cut_short) : Value();
+  return record;
 }
 
 // ---- an event, and two objects -------------------------------------------------------------------------------------
@@ -278,62 +290,30 @@ void print_explained(Printer& printer, const ExplainedRay& ray) {
   print_doubts(printer, ray);
 }
 
-void print_explained(Printer& printer, const ExplainedFence& fence) {
-  printer.set_usual_fields({"fence", "region", "to", "placed", "looked_at", "inside_count", "late"});
-  if (!printer.human()) {
-    Record record = explanation_record(fence);
-    place_of(record, "kind")->name = "region";
-    put_null(place_of(record, "asked_for")->value);
-    record.insert(place_of(record, "inside"), {"inside_count", std::uint64_t{fence.inside.size()}});
-    return printer.record(record);
+void print_explained(Printer& printer, const ExplainedStanding& standing) {
+  printer.set_usual_fields({"standing", "form", "region", "to", "placed", "looked_at", "holds_count", "object",
+                            "distance", "error", "cut_short", "late"});
+  if (!printer.human()) return printer.record(standing_record(standing));
+  print_definition(printer, standing);
+  const bool is_nearest = is_of_nearest(standing);
+  for (const ExplainedObject& held : standing.holds) print_object(printer, is_nearest ? "nearest" : "inside", held);
+  for (const ExplainedObject& other : standing.others) {
+    const char* const place = other.clearance_m <= standing.within_m ? "next" : "too far";
+    print_object(printer, is_nearest ? place : "outside", other);
   }
-  printer.line(fmt::format("{}: a {}{}, {} in it", printable(fence.fence), fence.kind,
-                           fence.to.empty() ? "" : " on " + printable(fence.to),
-                           fence.inside.empty() ? "nothing" : std::to_string(fence.inside.size())));
-  if (!fence.placed)
-    printer.line(fmt::format("  nowhere  {} is not there, so it looks at nothing", printable(fence.to)));
-  printer.line(
-      fmt::format("  looks at {}: {} now; tells {}", seen_text(fence), fence.looked_at, fmt::join(fence.tells, ", ")));
-  print_standings(printer, "inside", fence.inside);
-  print_standings(printer, "outside", fence.outside);
-  print_rest(printer, fence);
-  print_late_search(printer, fence.late);
-}
-
-void print_explained(Printer& printer, const ExplainedNearest& nearest) {
-  printer.set_usual_fields(
-      {"nearest", "of", "only", "within", "placed", "looked_at", "object", "distance", "error", "cut_short", "late"});
-  const ExplainedStanding* const is = nearest.is ? &*nearest.is : nullptr;
-  if (!printer.human()) {
-    Record record = explanation_record(nearest);
-    *place_of(record, "to") = {"of", target_text(nearest)};
-    record.erase(place_of(record, "point"));
-    insert_object(record, "is", is, is ? is->clearance_m : 0);
-    put_null(place_of(record, "asked_for")->value);
-    // Of a recording they would be the replay's searches.
-    if (nearest.version == 0) place_of(record, "cut_short")->value = std::monostate{};
-    return printer.record(record);
+  for (const ExplainedObject& left_out : standing.left_out) print_object(printer, "left out", left_out);
+  if (standing.asked_for) print_object(printer, "asked", *standing.asked_for);
+  for (const ExplainedNews& news : standing.events)
+    printer.line(fmt::format("  event    {} {} {}{}  seq {}", clock_text(news.high), news.what, printable(news.object),
+                             news.why.empty() ? "" : fmt::format("  ({})", news.why), news.sequence));
+  if (standing.cut_short > 0) {
+    printer.line(
+        fmt::format("  cut      {} ended at their limit: an object that came and went then may not have been "
+                    "reported",
+                    standing.cut_short == 1 ? "1 search" : format_count(standing.cut_short) + " searches"));
   }
-  printer.line(fmt::format("{}: {} is nearest", printable(nearest.nearest), is ? printable(is->object) : "nothing"));
-  if (!nearest.placed)
-    printer.line(fmt::format("  nowhere  {} is not there, so it looks at nothing", target_text(nearest)));
-  printer.line(fmt::format("  looks at {}: {} now, within {} of {}", seen_text(nearest), nearest.looked_at,
-                           readable_length(nearest.within_m, 0, printer.digits()), target_text(nearest)));
-  if (nearest.hysteresis_m > 0)
-    printer.line(fmt::format("           another one must be nearer by {}",
-                             readable_length(nearest.hysteresis_m, 0, printer.digits())));
-  if (is) print_standing(printer, "nearest", *is);
-  for (const bool is_within : {true, false}) {
-    for (const ExplainedStanding& other : nearest.others)
-      if ((other.clearance_m <= nearest.within_m) == is_within)
-        print_standing(printer, is_within ? "next" : "too far", other);
-  }
-  print_rest(printer, nearest);
-  if (nearest.cut_short > 0) {
-    printer.line(fmt::format("  cut      {} ended at their limit: who came and went then may not have been told",
-                             nearest.cut_short == 1 ? "1 search" : format_count(nearest.cut_short) + " searches"));
-  }
-  print_late_search(printer, nearest.late);
+  if (standing.late)
+    printer.line("  late     the deadline was over: some were not looked at; a longer --deadline says more");
 }
 
 void print_explained(Printer& printer, const ExplainedEvent& event) {
@@ -355,8 +335,8 @@ void print_explained(Printer& printer, const ExplainedEvent& event) {
   for (const std::string& reason : event.why_wide) printer.line("  bracket  " + printable(reason));
   print_gap(printer, "before", event.before);
   print_gap(printer, "after", event.after);
-  // The second of a fence's event is the fence.
-  const std::size_t count = event.of == EventsOf::fences ? 1 : event.bodies.size();
+  // The second of a standing question's event is the question.
+  const std::size_t count = event.of == EventsOf::standing ? 1 : event.bodies.size();
   for (std::size_t i = 0; i < std::min(count, event.bodies.size()); ++i) print_body(printer, event.bodies[i]);
 }
 

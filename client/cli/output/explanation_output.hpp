@@ -11,10 +11,9 @@
 namespace collided::cli {
 
 void print_explained(Printer& printer, const ExplainedRay& ray);
-void print_explained(Printer& printer, const ExplainedFence& fence);
-void print_explained(Printer& printer, const ExplainedNearest& nearest);
+void print_explained(Printer& printer, const ExplainedStanding& standing);
 void print_explained(Printer& printer, const ExplainedEvent& event);
-/// Of `pair.answer` verdict, distance, depth, error, stale and version count.
+/// pair  its answer needs the verdict, distance, depth, error, stale and version alone
 void print_explained(Printer& printer, const std::string& a, const std::string& b, const ExplainedPair& pair);
 
 }  // namespace collided::cli

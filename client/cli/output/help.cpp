@@ -109,7 +109,8 @@ class HelpCommand : public Command {
       throw bad_use(fmt::format("no verb '{}'{}", verb_, did_you_mean(verb_, names)));
     }
     CLI::App app(std::string(verb->summary), "collide");
-    const std::unique_ptr<Command> command = verb->make();
+    const std::unique_ptr<Command> command = make_command(*verb, session.own);
+    if (command == nullptr) return run_wing(session, verb->name);
     if (verb->passes_words_on && !verb->group.empty()) {
       static_cast<PassOn&>(*command).take_words({"--help"});
       return command->run(session, globals);

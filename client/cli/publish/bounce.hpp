@@ -6,7 +6,7 @@
 
 #include <collided/client.hpp>
 
-#include "client/extras/response/spheres.hpp"
+#include "client/cli/publish/response/spheres.hpp"
 
 namespace collided::cli {
 

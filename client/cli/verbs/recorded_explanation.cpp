@@ -212,11 +212,10 @@ nlohmann::json explain_recorded(Session& session, const Globals& globals, const 
 
 nlohmann::json explain_recorded_standing(Session& session, const Globals& globals, const RecordedWorld& world,
                                          nlohmann::json arguments, const AskExplanation& ask) {
-  // The last of the others may be the one that was nearest.
+  // Of the nearest, the last of the others may be the one that was nearest then.
   constexpr std::uint64_t kMostOthers = 1'000;
-  const bool is_nearest = arguments.contains("nearest");
   const std::uint64_t most = arguments.value("most", std::uint64_t{3});
-  if (is_nearest) arguments["most"] = std::max(most, kMostOthers);
+  arguments["most"] = std::max(most, kMostOthers);
   const RecordedEvents recorded = read(session, globals, world);
   const nanoseconds instant = instant_of(world, recorded);
   RecordedServer server(session, globals, world, recorded);
@@ -225,21 +224,17 @@ nlohmann::json explain_recorded_standing(Session& session, const Globals& global
       return ask(its_own, its_globals, arguments);
     } catch (const Failure& failed) {
       if (failed.code != Exit::refused) throw;
-      throw Failure(
-          failed.code, fmt::format("{}: {}", printable(world.path), failed.what()),
-          fmt::format("collide events {} --of {} lists what was told; earlier versions did not record what stood",
-                      shell_word(world.path), is_nearest ? "nearest" : "fences"));
+      throw Failure(failed.code, fmt::format("{}: {}", printable(world.path), failed.what()),
+                    fmt::format("collide events {} --of standing lists what was reported; earlier versions did not "
+                                "record which questions there were",
+                                shell_word(world.path)));
     }
   };
-  // What it had told is in the recording, so nothing needs to move again in time.
+  // What it had reported is in the recording, so nothing needs to move again in time.
   const nlohmann::json answer = server.answer_after({.from = instant, .to = instant}, ask_then);
-  const nanoseconds through = world.as_of.empty() ? nanoseconds::max() : instant;
-  const auto with_news = [&](auto told, auto... how_many) {
-    put_recorded_news(told, world.path, through, how_many...);
-    return json_of(told);
-  };
-  return is_nearest ? with_news(from_json<ExplainedNearest>(answer), most)
-                    : with_news(from_json<ExplainedFence>(answer));
+  auto explained = from_json<ExplainedStanding>(answer);
+  put_recorded_news(explained, world.path, world.as_of.empty() ? nanoseconds::max() : instant, most);
+  return json_of(explained);
 }
 
 nlohmann::json explain_recorded_event(Session& session, const Globals& globals, const RecordedWorld& world,

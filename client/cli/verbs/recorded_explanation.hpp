@@ -31,13 +31,13 @@ using AskExplanation = std::function<nlohmann::json(Session&, const Globals&, nl
 nlohmann::json explain_recorded(Session& session, const Globals& globals, const RecordedWorld& world,
                                 nlohmann::json arguments, std::chrono::nanoseconds lead, const AskExplanation& ask);
 
-/// The same of a fence or a question for the nearest, by the newest poses that were known at the instant.
+/// Explains a region or a question for the nearest in the same way, by the newest poses that were known at the instant.
 ///
-/// arguments  of the command explain, with `fence` or `nearest`
+/// arguments  of the command explain, with `standing`
 nlohmann::json explain_recorded_standing(Session& session, const Globals& globals, const RecordedWorld& world,
                                          nlohmann::json arguments, const AskExplanation& ask);
 
-/// The same of a contact's event in it.
+/// Explains an event of contacts in the same way.
 ///
 /// sequence  that the event had when it was recorded
 nlohmann::json explain_recorded_event(Session& session, const Globals& globals, const RecordedWorld& world,

@@ -8,17 +8,14 @@
 
 namespace collided::cli {
 
-/// Puts into what a replay's server says of a fence what the recorded one had told up to an instant: who was in and since
-/// when, and the last events with their numbers. A replay tells of its own stretch of time only. Throws Failure.
+/// Puts into a replay server's explanation what the recorded server had reported up to an instant: what held and since when,
+/// and the last events with their numbers. A replay reports its own stretch of time only, and which object is nearest
+/// depends, with a hysteresis, on what came before. Throws Failure.
 ///
 /// path     of the recording
 /// instant  since 1970
-void put_recorded_news(ExplainedFence& told, const std::string& path, std::chrono::nanoseconds instant);
-
-/// The same of a question for the nearest: which object was nearest depends, with a hysteresis, on what came before.
-///
-/// most  so many of the others stay, of as many as there are
-void put_recorded_news(ExplainedNearest& told, const std::string& path, std::chrono::nanoseconds instant,
+/// most     limit of the others that stay, of as many as there are
+void put_recorded_news(ExplainedStanding& explained, const std::string& path, std::chrono::nanoseconds instant,
                        std::size_t most);
 
 }  // namespace collided::cli

@@ -70,22 +70,27 @@ class CompleteCommand : public PassOn {
     if (words_.empty()) words_.emplace_back();
     const std::string typed = words_.back();
     words_.pop_back();
-    for (const std::string& candidate : candidates(session, globals, typed)) {
+    const auto verb_word = std::find_if(words_.begin(), words_.end(), [](const auto& w) { return find_verb(w); });
+    const Verb* verb = verb_word == words_.end() ? nullptr : find_verb(*verb_word);
+    const std::unique_ptr<Command> command = verb == nullptr ? nullptr : make_command(*verb, session.own);
+    if (verb != nullptr && command == nullptr) return run_wing(session, verb->name);
+    const auto place = static_cast<std::size_t>(words_.end() - verb_word);
+    for (const std::string& candidate : candidates(session, globals, command.get(), place, typed)) {
       if (candidate.starts_with(typed)) session.io.out << candidate << '\n';
     }
     return Exit::yes;
   }
 
  private:
-  std::vector<std::string> candidates(Session& session, const Globals& globals, const std::string& typed) const {
-    const auto verb_name = std::find_if(words_.begin(), words_.end(), [](const auto& w) { return find_verb(w); });
-    if (verb_name == words_.end()) return verb_names();
+  /// What may stand as that word after the verb of the command (null: there is no verb yet).
+  std::vector<std::string> candidates(Session& session, const Globals& globals, Command* command, std::size_t place,
+                                      const std::string& typed) const {
+    if (command == nullptr) return verb_names();
     CLI::App app("", "collide");
-    const std::unique_ptr<Command> command = find_verb(*verb_name)->make();
     Globals ignored;
     declare_verb(app, *command, ignored);
     if (typed.starts_with("-")) return option_names(app);
-    const std::string value = value_of_next(app, static_cast<std::size_t>(words_.end() - verb_name) - 1);
+    const std::string value = value_of_next(app, place - 1);
     if (value == "GLOB" || value == "OBJECT") return objects(session, globals);
     if (value == "TOPIC") return help_topics();
     if (const std::size_t choices = value.find('{'); choices != std::string::npos)

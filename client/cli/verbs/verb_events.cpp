@@ -1,3 +1,7 @@
+#include <algorithm>
+#include <array>
+#include <string_view>
+
 #include <collided/recording.hpp>
 #include <fmt/format.h>
 
@@ -7,9 +11,7 @@
 #include "client/cli/input/time_text.hpp"
 #include "client/cli/output/clock_text.hpp"
 #include "client/cli/output/event_output.hpp"
-#include "client/cli/output/fence_output.hpp"
-#include "client/cli/output/margin_output.hpp"
-#include "client/cli/output/nearest_output.hpp"
+#include "client/cli/output/standing_output.hpp"
 
 namespace collided::cli {
 namespace {
@@ -21,8 +23,8 @@ class EventsCommand : public Command {
  public:
   void declare(CLI::App& app) override {
     option(app, "file FILE", path_, "A recording")->required();
-    option(app, "--of KIND", of_, "contacts, fences, margins or nearest (contacts)")
-        ->check(CLI::IsMember({"contacts", "fences", "margins", "nearest"}));
+    option(app, "--of KIND", of_, "contacts, standing (all of the next three), fences, margins or nearest (contacts)")
+        ->check(CLI::IsMember({"contacts", "standing", "fences", "margins", "nearest"}));
     option(app, "--only GLOB", options_.only, "Events of which a name matches this glob");
     option(app, "--skip GLOB", options_.skip, "No event of which a name matches this glob");
     option(app, "--from TIME", from_,
@@ -38,15 +40,13 @@ class EventsCommand : public Command {
       const RecordedEvents recorded = take(recorded_events(path_, options_));
       return print(session, globals, recorded, recorded.events, usual_event_fields(), event_line, event_record);
     }
-    const RecordedFenceEvents recorded = take(recorded_fence_events(path_, options_));
-    if (of_ == "fences")
-      return print(session, globals, recorded, recorded.fences, usual_fence_fields(), fence_line,
-                   [](const FenceEvent& event) { return fence_record(event); });
-    if (of_ == "margins")
-      return print(session, globals, recorded, recorded.margins, usual_margin_fields(), margin_line,
-                   [](const MarginEvent& event) { return margin_record(event); });
-    return print(session, globals, recorded, recorded.nearest, usual_nearest_fields(), nearest_line,
-                 [](const NearestEvent& event) { return nearest_record(event); });
+    RecordedStandingEvents recorded = take(recorded_standing_events(path_, options_));
+    constexpr std::array<std::string_view, 3> kForms{"fences", "margins", "nearest"};  // in the order of their codes
+    const auto form = std::find(kForms.begin(), kForms.end(), of_) - kForms.begin();
+    if (of_ != "standing")
+      std::erase_if(recorded.events, [&](const StandingEvent& event) { return static_cast<int>(event.form) != form; });
+    return print(session, globals, recorded, recorded.events, usual_standing_fields(), standing_line,
+                 [](const StandingEvent& event) { return standing_record(event); });
   }
 
  private:

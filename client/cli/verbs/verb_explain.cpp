@@ -36,9 +36,9 @@ constexpr std::chrono::seconds kLastOfRecording{5};
 constexpr std::chrono::seconds kBeforeRay{2};
 
 constexpr const char* kForms =
-    "collide explain pair A B, ray X Y Z DX DY DZ, fence NAME, nearest NAME, or event SEQ (of contacts; --of fences)";
+    "collide explain pair A B, ray X Y Z DX DY DZ, fence NAME, nearest NAME, or event SEQ (of contacts; --of standing)";
 
-/// What the first word says is explained: a pair, a ray, a fence, a question for the nearest or an event.
+/// Explains a pair, a ray, a region, a question for the nearest or an event, as the first word says.
 class ExplainCommand : public Command {
  public:
   void declare(CLI::App& app) override {
@@ -58,10 +58,11 @@ class ExplainCommand : public Command {
     option(app, "--only GLOB", only_, "ray: objects whose name matches this glob (* ? [..])");
     option(app, "--skip GLOB", skip_, "ray: not objects whose name matches this glob");
     option(app, "--mask BITS", mask_, "ray: layers that may answer: bits, 0x3 or 0b11");
-    option(app, "--why-not OBJECT", why_not_, "ray, fence, nearest: an object that is told of in any case");
+    option(app, "--why-not OBJECT", why_not_, "ray, fence, nearest: an object that is reported in any case");
     option(app, "--most N", most_,
-           "ray, fence, nearest: so many of those passed, outside, or farther away are told (3)");
-    option(app, "--of KIND", of_, "event: contacts or fences (contacts)")->check(CLI::IsMember({"contacts", "fences"}));
+           "ray, fence, nearest: how many of those passed, outside, or farther away are reported (3)");
+    option(app, "--of KIND", of_, "event: contacts or standing (contacts)")
+        ->check(CLI::IsMember({"contacts", "standing"}));
     option(app, "--deadline", deadline_, "What takes longer ends with what was found by then: 100ms");
   }
 
@@ -70,9 +71,8 @@ class ExplainCommand : public Command {
     if (!world_.scenes.empty() && world_.path.empty()) throw bad_use("--scene belongs to --recording");
     if (what == "pair") return explain_pair(session, globals);
     if (what == "ray") return explain_ray(session, globals);
-    if (what == "fence") return explain_standing<ExplainedFence>(session, globals, "fence", "fence");
-    if (what == "nearest")
-      return explain_standing<ExplainedNearest>(session, globals, "nearest", "question for the nearest");
+    if (what == "fence") return explain_standing(session, globals, "fence");
+    if (what == "nearest") return explain_standing(session, globals, "question for the nearest");
     if (what == "event") return explain_event(session, globals);
     throw bad_use("what is to be explained?", kForms);
   }
@@ -106,14 +106,14 @@ class ExplainCommand : public Command {
     return exit_by(told.verdict);
   }
 
-  template <class Explained>
-  Exit explain_standing(Session& session, const Globals& globals, const char* key, std::string_view what) {
+  /// what  what people call it; the name alone decides which one is explained
+  Exit explain_standing(Session& session, const Globals& globals, std::string_view what) {
     refuse_others({&last_, &to_, &length_, &only_, &skip_, &mask_, &of_}, what);
     if (words_.size() != 2) throw bad_use(fmt::format("which {}?", what == "fence" ? what : "question"), kForms);
-    nlohmann::json arguments{{key, words_[1]}};
+    nlohmann::json arguments{{"standing", words_[1]}};
     add_common(arguments);
-    const auto told = from_json<Explained>(ask_of_standing(session, globals, std::move(arguments), what));
-    print(session, globals, told);
+    print(session, globals,
+          from_json<ExplainedStanding>(ask_of_standing(session, globals, std::move(arguments), what)));
     return Exit::yes;
   }
 
@@ -172,7 +172,7 @@ class ExplainCommand : public Command {
 
   nlohmann::json ask_of_event(Session& session, const Globals& globals, std::uint64_t sequence) const {
     if (!world_.path.empty()) {
-      if (of_ == "fences") throw bad_use("a recording holds no events of fences", kForms);
+      if (of_ == "standing") throw bad_use("of a recording only events of contacts are explained", kForms);
       return explain_recorded_event(session, globals, world_, sequence, asking({}));
     }
     nlohmann::json arguments{{"event", sequence}};

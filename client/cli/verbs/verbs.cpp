@@ -76,13 +76,12 @@ constexpr Verb kVerbs[] = {
      "probe\nprobe NAME --on OBJECT  X Y Z  DX DY DZ\nprobe --rm GLOB",
      "probe front_left --on car  1.2 0.7 0  0 0 -1\nprobe --watch --only 'front_*' -n 10\nprobe --rm 'front_*'",
      make_probe},
-    {"fence", "Follow", "regions, and who comes in and goes out",
+    {"fence", "Follow", "regions, and which objects come in and go out",
      "fence add NAME REGION NUMBERS\nfence ls [GLOB]\nfence rm GLOB\nfence watch [GLOB]",
-     "fence add dock box 0 0 0 5 5 3 --only 'forklift*' --detect enter,exit\nfence add around sphere 0 0 0 2 "
-     "--to "
+     "fence add dock box 0 0 0 5 5 3 --only 'forklift*' --detect enter,exit\nfence add around sphere 0 0 0 2 --to "
      "person --keep\nfence add yard prism 0 4  0 0  9 0  9 6  4 3  0 6\nfence watch dock -n 10",
      make_fence},
-    {"margin", "Follow", "distance bands between objects: who comes near, and how soon they would touch",
+    {"margin", "Follow", "distance bands between objects: which come near, and how soon they would touch",
      "margin add NAME GLOB GLOB DISTANCE,...\nmargin ls [GLOB]\nmargin rm GLOB\nmargin watch [GLOB]",
      "margin add close 'drone*' 'person*' 5m,2m --hysteresis 10cm\nmargin add close 'drone*' 'person*' 5m,2m "
      "--dwell 200ms --keep\nmargin watch close -n 10 --json\nmargin rm close",
@@ -97,8 +96,7 @@ constexpr Verb kVerbs[] = {
      "top\ntop --once --json\ntop --every 200ms -n 10\ntop --steps 20", make_top},
     {"explain", "Follow", "why an answer is what it is: of a ray, two objects, a fence, the nearest, an event",
      "explain pair A B\nexplain ray X Y Z DX DY DZ\nexplain fence NAME\nexplain nearest NAME\nexplain event SEQ [--of "
-     "fences]\nexplain ... "
-     "--recording FILE [--as-of TIME]",
+     "standing]\nexplain ... --recording FILE [--as-of TIME]",
      "explain pair drone tower --last 5s\nexplain ray 0 0 5  0 0 -1 --why-not pallet_07\nexplain ray 0 0 5 --to 4 4 0 "
      "--as-of -2s --json\nexplain fence dock --why-not forklift_7\nexplain event 881\nexplain event 881 --recording "
      "run.mcap",
@@ -113,20 +111,21 @@ constexpr Verb kVerbs[] = {
      "--split west -o "
      "next.json\nfleet split --shards map.json --to next.json\nfleet publish --shards map.json --to "
      "etcd://10.0.0.1:2379/yard\nfleet split --shards etcd://10.0.0.1:2379/yard",
-     make_fleet},
+     nullptr},
     {"handover", "Follow", "a server that stands by takes the primary's place, and the primary ends", "handover [NAME]",
      "handover\nhandover south", make_handover},
     {"status", "Look", "how the server is", "status", "status\nstatus --json", make_status},
     {"ls", "Look", "what is in the world", "ls [GLOB]", "ls --moving 'drone_*' --json", make_ls},
     {"get", "Look", "everything about one object", "get NAME", "get crate", make_get},
-    {"plan", "Look", "what this scene built and left out, and why", "plan", "plan\nplan --pairs", make_plan},
+    {"plan", "Look", "what this scene built and left out, and why", "plan", "plan\nplan --pairs\nplan --wings",
+     make_plan},
     {"draw", "Files", "a technical drawing of what is there, by the server's own rays",
      "draw -o FILE.svg|FILE.png\ndraw --term",
      "draw -o scene.svg\ndraw --style obscured-line --from 6 -8 5 --at 0 0 0.5 -o scene.png\ndraw --style toon --ray "
      "0 0 5  0 0 -1 -o scene.svg\ndraw --term --width 100",
-     make_draw},
+     nullptr},
     {"view", "Look", "the running world as a page in the browser", "view\nview --save FILE",
-     "view\nview --port 0 --for 10min\nview --save run.html --last 30s", make_view},
+     "view\nview --port 0 --for 10min\nview --save run.html --last 30s", nullptr},
     {"add", "Change", "put an object into the world", "add NAME SHAPE NUMBERS [--at X Y Z]",
      "add crate box 0.4 0.4 0.4 --at 1 2 0.2 --rpy 0 0 30deg\nadd ball sphere 5cm --at 0 0 1", make_add, false, true},
     {"move", "Change", "move an object that no publisher owns", "move NAME X Y Z",
@@ -140,7 +139,7 @@ constexpr Verb kVerbs[] = {
      "--speed 0.5m/s --shape sphere:20cm",
      make_publish},
     {"ros", "Change", "objects follow the frames of ROS 2, and contacts go back as markers; needs no ROS here", "ros",
-     "ros\nros --frame map --ros-domain 7\nros --joint-states --only 'arm/*'", make_ros},
+     "ros\nros --frame map --ros-domain 7\nros --joint-states --only 'arm/*'", nullptr},
     {"load", "Change", "load a file as a scene", "load FILE",
      "load warehouse.obj --unit mm --up y\nload --upload part.stl --unit mm", make_load},
     {"clear", "Change", "empty the world, or one scene of it", "clear [SCENE]", "clear --moving", make_clear},
@@ -184,7 +183,7 @@ constexpr Verb kVerbs[] = {
      "keys init [DIR]\nkeys add NAME --role ROLE\nkeys revoke NAME\nkeys check",
      "keys init keys\nkeys add brain --role server\nkeys add robot7 --role publisher --objects 'robot7/*' --days "
      "30\nkeys revoke robot7\nkeys check",
-     make_keys},
+     nullptr},
     {"help", "More", "what a verb does, or a guide", "help [VERB|GUIDE|options]", "help ray\nhelp asking\nhelp options",
      make_help},
     {"completion", "More", "completion of verbs, options and object names for a shell", "completion bash|zsh|fish",

@@ -26,7 +26,7 @@ class AttachCommand : public Command {
  public:
   void declare(CLI::App& app) override {
     option(app, "names OBJECT", names_, "The object that is to move along, and the one that it moves with");
-    app.add_flag("--durable", durable_, "Refused where it would not outlive a crash of the server");
+    app.add_flag("--durable", durable_, "Refused where it would not outlive the server");
   }
   Exit run(Session& session, const Globals& globals) override {
     if (names_.size() != 2)
@@ -48,7 +48,7 @@ class DetachCommand : public Command {
  public:
   void declare(CLI::App& app) override {
     option(app, "name OBJECT", name_, "The object that is attached; it stays where it is");
-    app.add_flag("--durable", durable_, "Refused where it would not outlive a crash of the server");
+    app.add_flag("--durable", durable_, "Refused where it would not outlive the server");
   }
   Exit run(Session& session, const Globals& globals) override {
     if (name_.empty()) throw bad_use("which object?", "collide detach crate");

@@ -28,14 +28,14 @@ namespace {
 
 namespace wire = wire_contract::command;
 
-/// Warns where what the server did is lost with a crash, and adds that to the record. Of a server that keeps nothing at
+/// Warns where what the server did is lost when the server ends, and adds that to the record. Of a server that keeps nothing at
 /// all `status` and `plan` say so: a warning with every command would be read by nobody.
 void tell_not_kept(Session& session, const nlohmann::json& answer, Record& record) {
   const std::string why = text_of(answer, "not_kept");
   if (why.empty()) return;
   record.push_back({"not_kept", why});
   if (flag_of(answer, "keeps_nothing")) return;
-  print_warning(session.io, "done, not kept: " + printable(why) + ". A crash of the server undoes it");
+  print_warning(session.io, "done, not kept: " + printable(why) + ". It is lost when the server ends");
 }
 
 /// Prints a command's answer: as a record for machines, or as one line for people.
@@ -55,7 +55,7 @@ nlohmann::json with_durable(nlohmann::json arguments, bool durable) {
 }
 
 void declare_durable(CLI::App& app, bool& durable) {
-  app.add_flag("--durable", durable, "Refuse it where it would not outlive a crash of the server");
+  app.add_flag("--durable", durable, "Refuse it where it would not outlive the server");
 }
 
 std::vector<std::byte> bytes_of_file(const std::string& path) {

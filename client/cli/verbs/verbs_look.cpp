@@ -21,6 +21,14 @@ std::string json_text(const nlohmann::json& value) {
   return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
+/// Prints them in a line; nothing for a server of an older version, which does not list them.
+void print_wings(Printer& printer, const char* head, const std::vector<Wing>& wings) {
+  std::string names;
+  for (const Wing& wing : wings)
+    names += (names.empty() ? "" : ", ") + printable(wing.name) + (wing.in_use ? " (in use)" : "");
+  if (!names.empty()) printer.line(head + names);
+}
+
 class StatusCommand : public Command {
  public:
   void declare(CLI::App&) override {}
@@ -35,8 +43,10 @@ class StatusCommand : public Command {
       print_text(printer, status, options.domain);
       if (figures) print_figures(printer, *figures);
       print_covers(printer, covers);
+      if (figures) print_wings(printer, "wings  ", figures->wings);
       if (figures && figures->keeps_nothing)
-        printer.line(printer.paint(Paint::doubt, "keeps nothing: what commands do is lost with a crash (--state-dir)"));
+        printer.line(
+            printer.paint(Paint::doubt, "keeps nothing: what commands do is lost when the server ends (--state-dir)"));
       if (status.state == "recovering") print_losses(printer, session.client(globals));
     } else {
       Record all = record(status, options.domain);
@@ -44,6 +54,7 @@ class StatusCommand : public Command {
       all.push_back({"cut_short", figures ? Value(figures->fences.cut_short) : Value()});
       all.push_back({"keeps_nothing", figures && figures->keeps_nothing});
       all.push_back({"tiles", figures ? Value(raw_json(json_of(figures->tiles))) : Value()});
+      all.push_back({"wings", figures ? Value(raw_json(json_of(figures->wings))) : Value()});
       all.push_back({"covers", covers.is_null() ? Value() : Value(RawJson{covers.dump()})});
       printer.set_usual_fields({"state", "world", "scenes", "objects", "moving", "contacts", "undecided_answers"});
       printer.record(all);
@@ -83,8 +94,9 @@ class StatusCommand : public Command {
     if (const std::uint64_t count = figures.fences.cut_short; count != 0)
       printer.line(printer.paint(
           Paint::doubt,
-          fmt::format("{} search{} of fences ended at the limit: who came and went then may not have been told",
-                      format_count(count), count == 1 ? "" : "es")));
+          fmt::format(
+              "{} search{} of fences ended at the limit: objects that came and went then may not have been reported",
+              format_count(count), count == 1 ? "" : "es")));
     for (const HeldTiles& tiles : figures.tiles)
       printer.line(fmt::format("tiles of {}  {} of {} read  ·  {} of {} held", printable(tiles.scene),
                                format_count(tiles.read), format_count(tiles.of), format_count(tiles.triangles),
@@ -269,7 +281,10 @@ class GetCommand : public Command {
 
 class PlanCommand : public Command {
  public:
-  void declare(CLI::App& app) override { app.add_flag("--pairs", pairs_, "Which shapes meet which, and how"); }
+  void declare(CLI::App& app) override {
+    app.add_flag("--pairs", pairs_, "Which shapes meet which, and how");
+    app.add_flag("--wings", wings_, "Which optional parts the server has, and which of them are in use");
+  }
 
   Exit run(Session& session, const Globals& globals) override {
     const auto plan = server_answer<Plan>(session, globals, wire::kPlan, nlohmann::json::object());
@@ -280,11 +295,17 @@ class PlanCommand : public Command {
           printer.row({"A", "B", "HOW"}, {printable(pair.a), printable(pair.b), printable(pair.how)});
         else printer.record(record_of(pair));
       }
+    } else if (wings_) {
+      for (const Wing& wing : plan.wings) {
+        if (printer.human()) printer.row({"NAME", "IN USE"}, {printable(wing.name), wing.in_use ? "yes" : "no"});
+        else printer.record(record_of(wing));
+      }
     } else {
       for (const PlannedStructure& structure : plan.structures) {
         if (printer.human()) print_structure(printer, structure);
         else printer.record(record_of(structure));
       }
+      if (printer.human()) print_wings(printer, "wings     ", plan.wings);
     }
     printer.finish();
     return Exit::yes;
@@ -300,6 +321,7 @@ class PlanCommand : public Command {
   }
 
   bool pairs_ = false;
+  bool wings_ = false;
 };
 
 }  // namespace

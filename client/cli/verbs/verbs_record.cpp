@@ -7,7 +7,7 @@
 #include "client/cli/input/option.hpp"
 #include "client/cli/output/progress.hpp"
 #include "client/cli/pace.hpp"
-#include "client/view/fence_recorder.hpp"
+#include "client/view/standing_recorder.hpp"
 
 namespace collided::cli {
 namespace {
@@ -40,14 +40,14 @@ class RecordCommand : public Command {
   Exit follow(Session& session, const Globals& globals) {
     const ConnectOptions options = connect_options(session.io, globals);
     Recording recording = take(record(options, path_));
-    view::FenceRecorder fences(recording, options.name_space);
+    view::StandingRecorder standing(recording, options.name_space);
     const Clock::time_point start = Clock::now();
     const Until until(0, most_time_.value_or(std::chrono::nanoseconds::max()));
     {
       Progress progress(session.io, globals);
       while (!until.reached(0) && recording.counts().problem.empty()) {
         sleep_until(std::min(until.end(), Clock::now() + std::chrono::milliseconds(100)));
-        fences.look();
+        standing.look();
         progress.show(recording.counts().samples, "samples");
       }
     }
@@ -139,8 +139,7 @@ class ReplayCommand : public Command {
   void print_text(Printer& printer, const ReplayReport& report) const {
     std::string line = fmt::format("replayed {} samples", format_count(report.samples));
     if (report.commands > 0) line += fmt::format(" and {} commands", format_count(report.commands));
-    if (report.fences > 0)
-      line += fmt::format(", {} fence{} made again", format_count(report.fences), report.fences == 1 ? "" : "s");
+    if (report.standing > 0) line += fmt::format(", {} made again", counted(report.standing, "standing question"));
     if (options_.ask) {
       const bool all = report.equal == report.questions;
       line += fmt::format(", {} questions: {}", format_count(report.questions),
@@ -162,7 +161,7 @@ class ReplayCommand : public Command {
     };
     printer.record({{"samples", report.samples},
                     {"commands", report.commands},
-                    {"fences", report.fences},
+                    {"standing", report.standing},
                     {"questions", report.questions},
                     {"equal", report.equal},
                     {"not_compared", report.not_compared},

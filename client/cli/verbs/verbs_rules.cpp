@@ -42,7 +42,7 @@ class AllowCommand : public Command {
   void declare(CLI::App& app) override {
     option(app, "names GLOB", names_, "Two globs: each object of the first with each of the second");
     option(app, "--because TEXT", because_, "Why they may touch, for whoever reads the list");
-    app.add_flag("--durable", durable_, "Refused where it would not outlive a crash of the server");
+    app.add_flag("--durable", durable_, "Refused where it would not outlive the server");
   }
   Exit run(Session& session, const Globals& globals) override {
     if (names_.empty()) return list(session, globals);
@@ -87,7 +87,7 @@ class DenyCommand : public Command {
  public:
   void declare(CLI::App& app) override {
     option(app, "names GLOB", names_, "The two globs");
-    app.add_flag("--durable", durable_, "Refused where it would not outlive a crash of the server");
+    app.add_flag("--durable", durable_, "Refused where it would not outlive the server");
   }
   Exit run(Session& session, const Globals& globals) override {
     if (names_.size() != 2)

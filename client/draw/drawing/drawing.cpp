@@ -14,7 +14,7 @@ constexpr const char* kBlack = "#000000";
 constexpr double kRingRadius_px = 7;
 constexpr double kNormal_px = 26;
 constexpr double kHatchSpacing_px = 2.6;
-constexpr double kDash_px = 6;  // of fences, and the gap between two
+constexpr double kDash_px = 6;  // of standing questions; the next is the gap between two
 constexpr double kGap_px = 4;
 
 const Ink& ink_of(LineKind kind) {
@@ -122,11 +122,11 @@ void add_dashes(const std::vector<Vec3>& line, const Ink& ink, Drawing& drawing)
   }
 }
 
-void add_fences(const DrawOptions& options, Drawing& drawing) {
+void add_standing(const DrawOptions& options, Drawing& drawing) {
   const Ink empty{"fence", kQuiet, 1.1};
-  const Ink entered{"fence-entered", kAccent, 1.8};
-  for (const FenceMark& fence : options.fences) {
-    for (const std::vector<Vec3>& line : fence.lines) add_dashes(line, fence.is_entered ? entered : empty, drawing);
+  const Ink held{"fence-entered", kAccent, 1.8};
+  for (const StandingMark& mark : options.standing) {
+    for (const std::vector<Vec3>& line : mark.lines) add_dashes(line, mark.is_held ? held : empty, drawing);
   }
 }
 
@@ -151,10 +151,10 @@ void add_marks(const DrawOptions& options, double scene_m, Drawing& drawing) {
 }
 
 /// The points that the picture has to show.
-std::vector<Vec3> with_fences(std::vector<Vec3> points, const DrawOptions& options) {
-  for (const FenceMark& fence : options.fences) {
-    if (fence.is_endless) continue;
-    for (const std::vector<Vec3>& line : fence.lines) points.insert(points.end(), line.begin(), line.end());
+std::vector<Vec3> with_standing(std::vector<Vec3> points, const DrawOptions& options) {
+  for (const StandingMark& mark : options.standing) {
+    if (mark.is_endless) continue;
+    for (const std::vector<Vec3>& line : mark.lines) points.insert(points.end(), line.begin(), line.end());
   }
   return points;
 }
@@ -175,7 +175,7 @@ double contact_width_px(double depth_m, double scene_m) {
 Drawing draw(const ShownObjects& shown, const DrawOptions& options, Rays& rays) {
   const std::vector<Vec3> extremes = extreme_points(shown);
   Drawing drawing{.picture = {},
-                  .camera = Camera::fitted(options.view, with_fences(extremes, options)),
+                  .camera = Camera::fitted(options.view, with_standing(extremes, options)),
                   .segments = {},
                   .pieces = {},
                   .crossings = {},
@@ -208,7 +208,7 @@ Drawing draw(const ShownObjects& shown, const DrawOptions& options, Rays& rays) 
   const Ink hidden{"hidden", kHiddenInk, 0.8};
   if (options.style == Style::obscured_line) add_strokes(drawing, false, &hidden, drawing.picture.strokes);
   add_strokes(drawing, true, nullptr, drawing.picture.strokes);
-  add_fences(options, drawing);
+  add_standing(options, drawing);
   add_marks(options, scene_m, drawing);
   if (options.style == Style::hatched) make_black_and_white(drawing.picture);
   return drawing;

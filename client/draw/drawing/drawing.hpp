@@ -26,10 +26,10 @@ struct RayMark {
   bool is_hit = false;
 };
 
-/// A fence or a band, drawn as dashed lines over everything.
-struct FenceMark {
+/// The outline of a standing question, drawn as dashed lines over everything.
+struct StandingMark {
   std::vector<std::vector<Vec3>> lines;  // in the world
-  bool is_entered = false;               // something is in it
+  bool is_held = false;                  // the question holds something
   bool is_endless = false;               // the picture need not show all of its lines
 };
 
@@ -44,7 +44,7 @@ struct DrawOptions {
   std::optional<ClearanceRamp> clearance{};
   std::vector<ContactMark> contacts{};
   std::vector<RayMark> ray_marks{};
-  std::vector<FenceMark> fences{};
+  std::vector<StandingMark> standing{};
   SightOptions sight{};
 };
 

@@ -7,6 +7,7 @@
 #include <functional>
 #include <future>
 #include <memory>
+#include <optional>
 #include <ranges>
 #include <span>
 #include <string>
@@ -17,15 +18,13 @@
 #include <collided/commands.hpp>
 #include <collided/events.hpp>
 #include <collided/explanations.hpp>
-#include <collided/fences.hpp>
-#include <collided/margins.hpp>
-#include <collided/nearest.hpp>
 #include <collided/pair.hpp>
 #include <collided/probes.hpp>
 #include <collided/publisher.hpp>
 #include <collided/questions.hpp>
 #include <collided/result.hpp>
 #include <collided/shown_objects.hpp>
+#include <collided/standing.hpp>
 #include <collided/what_if.hpp>
 
 /// The client of a collision server: connect, ask, watch, and change what is there. This header includes what these calls
@@ -186,40 +185,21 @@ class Client {
   /// the other options only `capacity` counts.
   Result<ProbeWatch> watch_probes(const WatchOptions& options = {});
 
-  // Fences.
+  // Standing questions.
 
-  /// Adds a fence. One that is not kept goes when this client does.
-  Result<void> add_fence(const Fence& fence);
+  /// Adds a standing question. One that is not kept goes when this client does.
+  Result<AddedStanding> add(const Standing& standing);
   /// Adds many in few messages. If one is refused, none of its message is added; those of earlier messages stay.
-  Result<void> add_fences(std::span<const Fence> fences);
-  /// Removes fences by name or glob, and returns how many there were.
-  Result<std::size_t> remove_fences(const std::string& name);
-  /// The fences whose names match the glob, and who is in them; empty: all.
-  Result<std::vector<ListedFence>> fences(const std::string& name_glob = {});
-  /// Subscribes to who comes into fences and goes out.
-  Result<FenceWatch> watch_fences(const FenceWatchOptions& options = {});
-
-  // Margins.
-
-  /// Adds a margin. One that is not kept goes when this client does.
-  Result<AddedMargin> add_margin(const Margin& margin);
-  /// Removes margins by name or glob, and returns how many there were.
-  Result<std::size_t> remove_margins(const std::string& name);
-  /// The margins whose names match the glob, and which pairs are within their bands; empty: all.
-  Result<std::vector<ListedMargin>> margins(const std::string& name_glob = {});
-  /// Subscribes to who comes within bands and leaves them.
-  Result<MarginWatch> watch_margins(const MarginWatchOptions& options = {});
-
-  // The nearest.
-
-  /// Adds a question that stays for the nearest object. One that is not kept goes when this client does.
-  Result<void> add_nearest(const NearestQuestion& nearest);
-  /// Removes such questions by name or glob, and returns how many there were.
-  Result<std::size_t> remove_nearest(const std::string& name);
-  /// The questions whose names match the glob, and what is nearest; empty: all.
-  Result<std::vector<ListedNearest>> nearest(const std::string& name_glob = {});
-  /// Subscribes to changes of what is nearest.
-  Result<NearestWatch> watch_nearest(const NearestWatchOptions& options = {});
+  Result<void> add(std::span<const Standing> standing);
+  /// Removes standing questions by name or glob, and returns how many there were.
+  ///
+  /// form  of this form alone; nothing: of all
+  Result<std::size_t> remove_standing(const std::string& name, std::optional<StandingForm> form = {});
+  /// The standing questions whose names match the glob, and what they hold; empty: all.
+  Result<std::vector<ListedStanding>> standing(const std::string& name_glob = {},
+                                               std::optional<StandingForm> form = {});
+  /// Subscribes to what standing questions report.
+  Result<StandingWatch> watch_standing(const StandingWatchOptions& options = {});
 
   // Why?
 
@@ -228,10 +208,8 @@ class Client {
   Result<ExplainedRay> explain_ray(const RayQuestion& ray, const ExplainOptions& options = {});
   /// How two objects stand to each other, how near they came, and what keeps their contacts from being told.
   Result<ExplainedPair> explain_pair(const std::string& a, const std::string& b, const ExplainOptions& options = {});
-  /// Who is in a fence, who is not, by how much and why.
-  Result<ExplainedFence> explain_fence(const std::string& name, const ExplainOptions& options = {});
-  /// What is nearest by a question that stays, what comes next, and what would be nearer but is left out.
-  Result<ExplainedNearest> explain_nearest(const std::string& name, const ExplainOptions& options = {});
+  /// What a region holds or what is nearest, what comes next, and what is left out, by how much and why.
+  Result<ExplainedStanding> explain_standing(const std::string& name, const ExplainOptions& options = {});
   /// What is behind an event that was told, while the server remembers it: the last 4,096 of each kind.
   Result<ExplainedEvent> explain_event(std::uint64_t sequence, EventsOf of = EventsOf::contacts,
                                        const ExplainOptions& options = {});
@@ -252,8 +230,8 @@ class Client {
   /// Becomes a publisher of objects and their poses. Waits, as long as ConnectOptions::wait, until the server listens.
   Result<Publisher> publish(const std::string& publisher_name, const PublishOptions& options = {});
 
-  // Commands that change the world. What they add stays when this client disconnects, until it is removed or the
-  // server stops; after a crash the server restores it. Error refused if the server refuses, with its reason.
+  // Commands that change the world. What they add stays when this client disconnects, until it is removed; a server that
+  // is started again restores it. Error refused if the server refuses, with its reason.
 
   /// Adds an object without a publisher. Its name must be free in the world.
   Result<Added> add(const ObjectOptions& object, std::chrono::nanoseconds timeout = std::chrono::seconds(10));
@@ -345,7 +323,6 @@ class Client {
   static Client over(std::shared_ptr<client::Connection> connection);
   template <Question Q>
   Result<Answers> ask_all(std::span<const Q> questions, const AskOptions& options, Answers&& earlier);
-  Result<Watch> watch_standing(const WatchOptions& options);
   std::unique_ptr<State> state_;
 };
 

@@ -36,8 +36,8 @@ struct RecordingCounts {
   std::uint64_t bytes = 0;       // of the file
   std::string no_opening;        // why the file does not begin with what was in the world already; empty: it does
   std::string problem;           // why nothing more is written; empty: all is well
-  /// Grows whenever fences, margins or questions for the nearest may be others, or others in them.
-  std::uint64_t fence_changes = 0;
+  /// Grows whenever there may be other standing questions, or they may hold other objects.
+  std::uint64_t standing_changes = 0;
 };
 
 /// A channel of a recording beside those of the namespace's topics, for what a program makes of them, such as a scene that
@@ -123,20 +123,19 @@ struct RecordedEvents {
 /// event in the order of happened(). Error bad_input where the file cannot be read.
 Result<RecordedEvents> recorded_events(const std::string& path, const RecordedEventsOptions& options = {});
 
-/// The events of a recording's fences, margins and questions for the nearest.
-struct RecordedFenceEvents {
-  std::vector<FenceEvent> fences;
-  std::vector<MarginEvent> margins;
-  std::vector<NearestEvent> nearest;
+/// The events of a recording's standing questions.
+struct RecordedStandingEvents {
+  std::vector<StandingEvent> events;
   std::chrono::nanoseconds begin{0}, end{0};  // of the recording
-  std::uint64_t lost = 0;                     // known to have been sent, but not in the file; of all three together
+  std::uint64_t lost = 0;                     // known to have been sent, but not in the file
   std::vector<std::string> warnings;          // damage of the file, events that are lost, stays of unknown age
 };
 
-/// Reads them; no server is needed. They are what FenceWatch, MarginWatch and NearestWatch would have told: what held
-/// before `from` first, as `inside`, `within` and `is`, then each event in the order of its number. `only` and `skip` are as
-/// in the options of these. Error bad_input where the file cannot be read.
-Result<RecordedFenceEvents> recorded_fence_events(const std::string& path, const RecordedEventsOptions& options = {});
+/// Reads them; no server is needed. They are what a StandingWatch would have reported: what held before `from` first, as
+/// `inside`, `within` and `is`, then each event in the order of its number. `only` and `skip` are as in
+/// StandingWatchOptions. Error bad_input where the file cannot be read.
+Result<RecordedStandingEvents> recorded_standing_events(const std::string& path,
+                                                        const RecordedEventsOptions& options = {});
 
 // ---- replay --------------------------------------------------------------------------------------------------------
 
@@ -165,12 +164,13 @@ struct ReplayReport {
   std::vector<std::string> differences;       // one sentence each, the first 20
   std::vector<std::string> warnings;          // damage of the file, commands left out, scenes that are missing
   bool stopped = false;                       // by ReplayOptions::go_on
-  std::uint64_t fences = 0;                   // fences, margins and questions for the nearest that were made again
+  std::uint64_t standing = 0;                 // standing questions that were made again
 };
 
 /// Publishes a recording's objects and poses again, by publishers of its own; their objects are removed at the end. What
-/// commands made stays: objects, and fences, margins and questions for the nearest that were kept; others go with whom they
-/// had gone with, or with the replay. Scenes that the server had loaded from files must be loaded first. It returns when the replay has ended.
+/// commands made stays: objects, and standing questions that were kept; others go when the recorded client that had added them
+/// does, or with the replay. Scenes that the server had loaded from files must be loaded first. It returns when the replay has
+/// ended.
 Result<ReplayReport> replay(const ConnectOptions& connect, const ReplayOptions& options);
 
 }  // namespace collided

@@ -62,14 +62,9 @@ Result<ExplainedPair> Client::explain_pair(const std::string& a, const std::stri
   return explained<ExplainedPair>(*this, std::move(arguments), options);
 }
 
-Result<ExplainedFence> Client::explain_fence(const std::string& name, const ExplainOptions& options) {
-  return explained<ExplainedFence>(*this, {{"fence", name}, {"most", options.most}, {"why_not", options.why_not}},
-                                   options);
-}
-
-Result<ExplainedNearest> Client::explain_nearest(const std::string& name, const ExplainOptions& options) {
-  return explained<ExplainedNearest>(*this, {{"nearest", name}, {"most", options.most}, {"why_not", options.why_not}},
-                                     options);
+Result<ExplainedStanding> Client::explain_standing(const std::string& name, const ExplainOptions& options) {
+  return explained<ExplainedStanding>(*this, {{"standing", name}, {"most", options.most}, {"why_not", options.why_not}},
+                                      options);
 }
 
 Result<ExplainedEvent> Client::explain_event(std::uint64_t sequence, EventsOf of, const ExplainOptions& options) {

@@ -11,8 +11,8 @@
 using namespace collided;
 using namespace collided::c;
 
-struct collided_recorded_fences {
-  RecordedFenceEvents told;
+struct collided_recorded_standing {
+  RecordedStandingEvents read;
 };
 
 namespace {
@@ -35,65 +35,48 @@ Result<RecordedEventsOptions> options_of(const collided_recorded_options* option
   return RecordedEventsOptions{.only = text(given.only), .skip = text(given.skip), .from = *from, .to = *to};
 }
 
-/// events  those of one kind in `told`
-template <class OneEvent, class Told>
-int read_event(const collided_recorded_fences* recorded, std::vector<OneEvent> RecordedFenceEvents::*events,
-               std::size_t number, Told* event) {
-  if (!recorded || number >= (recorded->told.*events).size()) return COLLIDED_NOTHING;
-  give(lent((recorded->told.*events)[number]), event);
-  return COLLIDED_OK;
-}
-
 }  // namespace
 
 extern "C" {
 
-int collided_read_recorded_fences(const char* path, const collided_recorded_options* options,
-                                  collided_recorded_fences** recorded, collided_error* error) {
+int collided_read_recorded_standing(const char* path, const collided_recorded_options* options,
+                                    collided_recorded_standing** recorded, collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!path) return missing("path");
     if (!recorded) return missing("recorded");
     *recorded = nullptr;
     const Result<RecordedEventsOptions> asked = options_of(options);
     if (!asked) return asked.error();
-    Result<RecordedFenceEvents> told = recorded_fence_events(path, *asked);
-    if (!told) return told.error();
-    *recorded = new collided_recorded_fences{std::move(*told)};
+    Result<RecordedStandingEvents> read = recorded_standing_events(path, *asked);
+    if (!read) return read.error();
+    *recorded = new collided_recorded_standing{std::move(*read)};
     return {};
   });
 }
 
-void collided_free_recorded_fences(collided_recorded_fences* recorded) { delete recorded; }
+void collided_free_recorded_standing(collided_recorded_standing* recorded) { delete recorded; }
 
-void collided_about_recorded_fences(const collided_recorded_fences* recorded, collided_recorded_about* about) {
+void collided_about_recorded_standing(const collided_recorded_standing* recorded, collided_recorded_about* about) {
   if (!recorded) return;
-  const RecordedFenceEvents& told = recorded->told;
+  const RecordedStandingEvents& read = recorded->read;
   give({.size = 0,
         .reserved = 0,
-        .fences = told.fences.size(),
-        .margins = told.margins.size(),
-        .nearest = told.nearest.size(),
-        .warnings = told.warnings.size(),
-        .lost = told.lost,
-        .begin_ns = told.begin.count(),
-        .end_ns = told.end.count()},
+        .events = read.events.size(),
+        .warnings = read.warnings.size(),
+        .lost = read.lost,
+        .begin_ns = read.begin.count(),
+        .end_ns = read.end.count()},
        about);
 }
 
-int collided_recorded_fence_event(const collided_recorded_fences* recorded, size_t number,
-                                  collided_fence_event* event) {
-  return read_event(recorded, &RecordedFenceEvents::fences, number, event);
+int collided_recorded_standing_event(const collided_recorded_standing* recorded, size_t number,
+                                     collided_standing_event* event) {
+  if (!recorded || number >= recorded->read.events.size()) return COLLIDED_NOTHING;
+  give(lent(recorded->read.events[number]), event);
+  return COLLIDED_OK;
 }
-int collided_recorded_margin_event(const collided_recorded_fences* recorded, size_t number,
-                                   collided_margin_event* event) {
-  return read_event(recorded, &RecordedFenceEvents::margins, number, event);
-}
-int collided_recorded_nearest_event(const collided_recorded_fences* recorded, size_t number,
-                                    collided_nearest_event* event) {
-  return read_event(recorded, &RecordedFenceEvents::nearest, number, event);
-}
-const char* collided_recorded_warning(const collided_recorded_fences* recorded, size_t number) {
-  return recorded && number < recorded->told.warnings.size() ? recorded->told.warnings[number].c_str() : nullptr;
+const char* collided_recorded_warning(const collided_recorded_standing* recorded, size_t number) {
+  return recorded && number < recorded->read.warnings.size() ? recorded->read.warnings[number].c_str() : nullptr;
 }
 
 }  // extern "C"

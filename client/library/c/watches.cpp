@@ -10,37 +10,70 @@ struct collided_watch {
   Watch watch;
   std::optional<Event> newest = {};  // its texts are lent to the caller until the next call
 };
-struct collided_fence_watch {
-  FenceWatch watch;
-  std::optional<FenceEvent> newest = {};
-};
-struct collided_margin_watch {
-  MarginWatch watch;
-  std::optional<MarginEvent> newest = {};
-};
-struct collided_nearest_watch {
-  NearestWatch watch;
-  std::optional<NearestEvent> newest = {};
+struct collided_standing_watch {
+  StandingWatch watch;
+  std::optional<StandingEvent> newest = {};
 };
 
 namespace {
 
-Result<Fence> fence_of(const collided_fence& given) {
-  Fence fence{.name = text(given.name),
-              .to = text(given.to),
-              .only = text(given.only),
-              .skip = text(given.skip),
-              .mask = ~given.left_out_layers,
-              .keep = given.keep != 0};
-  if (given.tells != 0) {
-    fence.enter = (given.tells & codes::kTellsEnter) != 0;
-    fence.exit = (given.tells & codes::kTellsExit) != 0;
-    fence.cross = (given.tells & codes::kTellsCross) != 0;
+Result<Region> region_of(const collided_standing& given) {
+  Region region{.to = text(given.to)};
+  if (given.detect != 0) {
+    region.enter = (given.detect & codes::kDetectEnter) != 0;
+    region.exit = (given.detect & codes::kDetectExit) != 0;
+    region.cross = (given.detect & codes::kDetectCross) != 0;
   }
   Result<Shape> shape = shape_of(given.parts, given.part_count);
   if (!shape) return shape.error();
-  fence.shape = std::move(*shape);
-  return fence;
+  region.shape = std::move(*shape);
+  return region;
+}
+
+Result<Bands> bands_of(const collided_standing& given) {
+  if (given.band_count > 0 && !given.bands_m) return missing("bands_m");
+  return Bands{.around = text(given.around),
+               .bands_m = {given.bands_m, given.bands_m + given.band_count},
+               .hysteresis_m = given.hysteresis_m,
+               .dwell = std::chrono::nanoseconds(given.dwell_ns)};
+}
+
+Nearest nearest_of(const collided_standing& given) {
+  Nearest nearest{.to = text(given.to), .within_m = given.within_m, .hysteresis_m = given.hysteresis_m};
+  if (nearest.to.empty()) nearest.point = vector(given.point);
+  return nearest;
+}
+
+Error no_form(std::int32_t form) {
+  return {ErrorCode::bad_input,
+          "the form is " + std::to_string(form) + "; known are COLLIDED_FORM_REGION, _BANDS, _NEAREST",
+          "nothing was sent"};
+}
+
+Result<Standing> standing_of(const collided_standing& given) {
+  Standing standing{.name = text(given.name),
+                    .only = text(given.only),
+                    .skip = text(given.skip),
+                    .mask = ~given.left_out_layers,
+                    .keep = given.keep != 0};
+  const auto take = [&](auto&& of) -> Result<Standing> {
+    if (!of) return of.error();
+    standing.of = std::move(*of);
+    return standing;
+  };
+  switch (given.form) {
+    case COLLIDED_FORM_REGION: return take(region_of(given));
+    case COLLIDED_FORM_BANDS: return take(bands_of(given));
+    case COLLIDED_FORM_NEAREST: return take(Result<Nearest>(nearest_of(given)));
+    default: return no_form(given.form);
+  }
+}
+
+/// One form, or nothing for COLLIDED_FORM_ANY.
+Result<std::optional<StandingForm>> form_of(collided_standing_form form) {
+  if (form == COLLIDED_FORM_ANY) return std::optional<StandingForm>();
+  if (form < COLLIDED_FORM_REGION || form > COLLIDED_FORM_NEAREST) return no_form(form);
+  return std::optional(static_cast<StandingForm>(form));
 }
 
 WatchOptions watch_options(const collided_watch_options* options) {
@@ -55,8 +88,8 @@ WatchOptions watch_options(const collided_watch_options* options) {
 }
 
 /// The next event of a watch of any kind. Its texts are lent until the next call.
-template <class EventWatch, class Told>
-int next_event(EventWatch* watch, std::int64_t wait_ns, Told* event, collided_error* error) {
+template <class EventWatch, class LentEvent>
+int next_event(EventWatch* watch, std::int64_t wait_ns, LentEvent* event, collided_error* error) {
   bool nothing = false;
   const int code = guarded(error, [&]() -> Result<void> {
     if (!watch) return missing("watch");
@@ -66,18 +99,6 @@ int next_event(EventWatch* watch, std::int64_t wait_ns, Told* event, collided_er
     return {};
   });
   return code == COLLIDED_OK && nothing ? static_cast<int>(COLLIDED_NOTHING) : code;
-}
-
-/// Removes fences, margins or questions by a glob.
-int remove_by_glob(collided_client* client, const char* name, std::uint64_t* removed, collided_error* error,
-                   Result<std::size_t> (Client::*remove)(const std::string&)) {
-  return guarded(error, [&]() -> Result<void> {
-    if (!client) return missing("client");
-    const Result<std::size_t> count = (client->client.*remove)(text(name));
-    if (!count) return count.error();
-    if (removed) *removed = *count;
-    return {};
-  });
 }
 
 /// Starts a watch of any kind.
@@ -104,8 +125,8 @@ int collided_watch_start(collided_client* client, const collided_watch_options* 
     std::function<void(const Event&)> call;
     if (callback) {
       call = [callback, user](const Event& event) {
-        const collided_event told = lent(event);
-        callback(&told, user);
+        const collided_event given = lent(event);
+        callback(&given, user);
       };
     }
     return from.watch(watch_options(options), std::move(call));
@@ -120,113 +141,50 @@ uint64_t collided_watch_lost(const collided_watch* watch) { return watch ? watch
 int32_t collided_watch_in_step(const collided_watch* watch) { return watch && watch->watch.in_step() ? 1 : 0; }
 void collided_watch_close(collided_watch* watch) { delete watch; }
 
-int collided_fence_add(collided_client* client, const collided_fence* fence, collided_error* error) {
+int collided_standing_add(collided_client* client, const collided_standing* standing, uint64_t* parts,
+                          collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!client) return missing("client");
-    if (!fence) return missing("fence");
-    const Result<Fence> made = fence_of(taken(fence));
+    if (!standing) return missing("standing");
+    const Result<Standing> made = standing_of(taken(standing));
     if (!made) return made.error();
-    return client->client.add_fence(*made);
-  });
-}
-
-int collided_fence_remove(collided_client* client, const char* name, uint64_t* removed, collided_error* error) {
-  return remove_by_glob(client, name, removed, error, &Client::remove_fences);
-}
-
-int collided_margin_add(collided_client* client, const collided_margin* margin, collided_error* error) {
-  return guarded(error, [&]() -> Result<void> {
-    if (!client) return missing("client");
-    if (!margin) return missing("margin");
-    const collided_margin given = taken(margin);
-    if (given.band_count > 0 && !given.bands_m) return missing("bands_m");
-    const Result<AddedMargin> added =
-        client->client.add_margin({.name = text(given.name),
-                                   .around = text(given.around),
-                                   .only = text(given.only),
-                                   .skip = text(given.skip),
-                                   .mask = ~given.left_out_layers,
-                                   .bands_m = {given.bands_m, given.bands_m + given.band_count},
-                                   .hysteresis_m = given.hysteresis_m,
-                                   .dwell = std::chrono::nanoseconds(given.dwell_ns),
-                                   .keep = given.keep != 0});
+    const Result<AddedStanding> added = client->client.add(*made);
     if (!added) return added.error();
+    if (parts) *parts = added->parts;
     return {};
   });
 }
 
-int collided_margin_remove(collided_client* client, const char* name, uint64_t* removed, collided_error* error) {
-  return remove_by_glob(client, name, removed, error, &Client::remove_margins);
-}
-
-int collided_nearest_add(collided_client* client, const collided_nearest* nearest, collided_error* error) {
+int collided_standing_remove(collided_client* client, const char* name, collided_standing_form form, uint64_t* removed,
+                             collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!client) return missing("client");
-    if (!nearest) return missing("nearest");
-    const collided_nearest given = taken(nearest);
-    NearestQuestion asked{.name = text(given.name),
-                          .only = text(given.only),
-                          .to = text(given.to),
-                          .within_m = given.within_m,
-                          .hysteresis_m = given.hysteresis_m,
-                          .skip = text(given.skip),
-                          .mask = ~given.left_out_layers,
-                          .keep = given.keep != 0};
-    if (asked.to.empty()) asked.point = Vec3(given.point[0], given.point[1], given.point[2]);
-    return client->client.add_nearest(asked);
+    const Result<std::optional<StandingForm>> of_form = form_of(form);
+    if (!of_form) return of_form.error();
+    const Result<std::size_t> count = client->client.remove_standing(text(name), *of_form);
+    if (!count) return count.error();
+    if (removed) *removed = *count;
+    return {};
   });
 }
 
-int collided_nearest_remove(collided_client* client, const char* name, uint64_t* removed, collided_error* error) {
-  return remove_by_glob(client, name, removed, error, &Client::remove_nearest);
+int collided_standing_watch_start(collided_client* client, const char* only, const char* skip,
+                                  collided_standing_form form, collided_standing_watch** watch, collided_error* error) {
+  return start_watch(client, watch, error, [&](Client& from) -> Result<StandingWatch> {
+    const Result<std::optional<StandingForm>> of_form = form_of(form);
+    if (!of_form) return of_form.error();
+    return from.watch_standing({.only = text(only), .skip = text(skip), .form = *of_form});
+  });
 }
 
-int collided_fence_watch_start(collided_client* client, const char* only, const char* skip,
-                               collided_fence_watch** watch, collided_error* error) {
-  return start_watch(client, watch, error,
-                     [&](Client& from) { return from.watch_fences({.only = text(only), .skip = text(skip)}); });
-}
-
-int collided_fence_watch_next(collided_fence_watch* watch, int64_t wait_ns, collided_fence_event* event,
-                              collided_error* error) {
+int collided_standing_watch_next(collided_standing_watch* watch, int64_t wait_ns, collided_standing_event* event,
+                                 collided_error* error) {
   return next_event(watch, wait_ns, event, error);
 }
-uint64_t collided_fence_watch_lost(const collided_fence_watch* watch) { return watch ? watch->watch.lost() : 0; }
-int32_t collided_fence_watch_in_step(const collided_fence_watch* watch) {
+uint64_t collided_standing_watch_lost(const collided_standing_watch* watch) { return watch ? watch->watch.lost() : 0; }
+int32_t collided_standing_watch_in_step(const collided_standing_watch* watch) {
   return watch && watch->watch.in_step() ? 1 : 0;
 }
-void collided_fence_watch_close(collided_fence_watch* watch) { delete watch; }
-
-int collided_margin_watch_start(collided_client* client, const char* only, const char* skip,
-                                collided_margin_watch** watch, collided_error* error) {
-  return start_watch(client, watch, error,
-                     [&](Client& from) { return from.watch_margins({.only = text(only), .skip = text(skip)}); });
-}
-
-int collided_margin_watch_next(collided_margin_watch* watch, int64_t wait_ns, collided_margin_event* event,
-                               collided_error* error) {
-  return next_event(watch, wait_ns, event, error);
-}
-uint64_t collided_margin_watch_lost(const collided_margin_watch* watch) { return watch ? watch->watch.lost() : 0; }
-int32_t collided_margin_watch_in_step(const collided_margin_watch* watch) {
-  return watch && watch->watch.in_step() ? 1 : 0;
-}
-void collided_margin_watch_close(collided_margin_watch* watch) { delete watch; }
-
-int collided_nearest_watch_start(collided_client* client, const char* only, const char* skip,
-                                 collided_nearest_watch** watch, collided_error* error) {
-  return start_watch(client, watch, error,
-                     [&](Client& from) { return from.watch_nearest({.only = text(only), .skip = text(skip)}); });
-}
-
-int collided_nearest_watch_next(collided_nearest_watch* watch, int64_t wait_ns, collided_nearest_event* event,
-                                collided_error* error) {
-  return next_event(watch, wait_ns, event, error);
-}
-uint64_t collided_nearest_watch_lost(const collided_nearest_watch* watch) { return watch ? watch->watch.lost() : 0; }
-int32_t collided_nearest_watch_in_step(const collided_nearest_watch* watch) {
-  return watch && watch->watch.in_step() ? 1 : 0;
-}
-void collided_nearest_watch_close(collided_nearest_watch* watch) { delete watch; }
+void collided_standing_watch_close(collided_standing_watch* watch) { delete watch; }
 
 }  // extern "C"

@@ -3,14 +3,14 @@
 #include <algorithm>
 #include <vector>
 
-#include "idl/fence_ids.hpp"
+#include "idl/standing_ids.hpp"
 #include "idl/topics.hpp"
 
 namespace collided::client {
 
 /// The slot, with a bit above it for a fence's.
 std::uint64_t Names::slot_of(std::uint64_t id) {
-  return static_cast<std::uint32_t>(id) | (wire_contract::is_fence_id(id) ? std::uint64_t{1} << 32 : 0);
+  return static_cast<std::uint32_t>(id) | (wire_contract::is_standing_id(id) ? std::uint64_t{1} << 32 : 0);
 }
 
 void Names::learn(std::span<const std::uint64_t> ids, std::span<const std::uint8_t> packed) {

@@ -76,6 +76,8 @@ bool ComparedAnswers::add(const wire::Reply& reply) {
   const auto reasons = dds::view(reply.reasons);
   const auto counts = dds::view(reply.hit_counts);
   const Hits hits(reply);
+  const auto uncovered = dds::view(reply.uncovered_questions);
+  if (wire::row_count<wire::Reply>(reply, wire::kUncoveredColumns) != uncovered.size()) return false;
   std::size_t at = 0;
   for (std::size_t i = 0; i < verdicts.size(); ++i) {
     if (i >= reasons.size() || i >= counts.size() || counts[i] > hits.count - at) return false;
@@ -85,9 +87,8 @@ bool ComparedAnswers::add(const wire::Reply& reply) {
     ComparedAnswer& answer = answers_[std::uint64_t{reply.first_question} + i];
     answer.bytes = {static_cast<char>(verdicts[i]), static_cast<char>(reasons[i])};
     for (const std::string& bytes : each) answer.bytes += bytes;
-    for (std::uint32_t k = 0; k < reply.uncovered_questions._length; ++k) {
-      if (reply.uncovered_questions._buffer[k] != i || !wire::row_count<wire::Reply>(reply, wire::kUncoveredColumns))
-        continue;
+    for (std::size_t k = 0; k < uncovered.size(); ++k) {
+      if (uncovered[k] != i) continue;
       for (const double number : dds::view(reply.uncovered_points).subspan(3 * k, 3)) append(answer.bytes, number);
       append(answer.bytes, reply.uncovered_distances._buffer[k]);
     }

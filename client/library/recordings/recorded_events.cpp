@@ -4,6 +4,7 @@
 #include <set>
 #include <sstream>
 #include <stdexcept>
+#include <type_traits>
 #include <variant>
 
 #include "client/library/connection/errors.hpp"
@@ -19,29 +20,30 @@ namespace {
 using recording::Recorded;
 using std::chrono::nanoseconds;
 using Pair = std::pair<std::uint64_t, std::uint64_t>;
-using Heard = std::variant<HeardFrame, HeardShard, HeardBookmark>;
 
+template <class News>
 struct TimedMessage {
   std::uint64_t log_time = 0;
-  Heard heard;
+  std::variant<HeardFrameOf<News>, HeardShardOf<News>, HeardBookmark> heard;
 };
+template <class News>
+using TimedMessages = std::vector<TimedMessage<News>>;
 
 /// The messages in a recording. Those that cannot be decoded count as lost, as for a live watch.
-std::vector<TimedMessage> messages_of(const RecordedItems& recorded, Names& names, WatchOf subject) {
-  const bool is_of_fences = subject == WatchOf::fences;
-  const Recorded event_topic = is_of_fences ? Recorded::fence_event : Recorded::event;
-  const Recorded shard_topic = is_of_fences ? Recorded::fence_state : Recorded::contact;
-  const Recorded status_topic = is_of_fences ? Recorded::fence_status : Recorded::status;
-  std::vector<TimedMessage> messages;
-  dds::Sample<wire::EventFrame> frame;
-  dds::Sample<wire::ContactShard> shard;
+template <class News>
+TimedMessages<News> messages_of(const RecordedItems& recorded, Names& names) {
+  using Wire = WireOf<News>;
+  TimedMessages<News> messages;
+  dds::Sample<typename Wire::Frame> frame;
+  dds::Sample<typename Wire::Shard> shard;
   dds::Sample<wire::Status> status;
   for (const RecordedItem& item : recorded.items) {
-    if (item.topic == event_topic && wire::read_cdr(item.data, frame)) {
+    if (item.topic == Wire::kRecordedFrames && wire::read_cdr(item.data, frame)) {
       if (auto heard = decode(*frame, names)) messages.push_back({item.log_time, std::move(*heard)});
-    } else if (item.topic == shard_topic && wire::read_cdr(item.data, shard)) {
-      if (auto heard = decode(*shard, names)) messages.push_back({item.log_time, std::move(*heard)});
-    } else if (item.topic == status_topic && wire::read_cdr(item.data, status)) {
+    } else if (item.topic == Wire::kRecordedShards && wire::read_cdr(item.data, shard)) {
+      if (const auto bookmark = bookmark_in(*shard)) messages.push_back({item.log_time, *bookmark});
+      else if (auto heard = decode(*shard, names)) messages.push_back({item.log_time, std::move(*heard)});
+    } else if (std::is_same_v<News, Event> && item.topic == Recorded::status && wire::read_cdr(item.data, status)) {
       messages.push_back({item.log_time, decode(*status)});
     }
   }
@@ -57,15 +59,16 @@ struct LifeSpan {
   std::uint64_t lost() const { return last - before > heard ? last - before - heard : 0; }
 };
 
-LifeSpan span_of_life(const ServerLife& life, const std::vector<TimedMessage>& messages) {
+template <class News>
+LifeSpan span_of_life(const ServerLife& life, const TimedMessages<News>& messages) {
   std::optional<std::uint64_t> first_event, first_bookmark, live_bookmark;
   LifeSpan span;
-  for (const TimedMessage& message : messages) {
-    if (const auto* const frame = std::get_if<HeardFrame>(&message.heard);
+  for (const TimedMessage<News>& message : messages) {
+    if (const auto* const frame = std::get_if<HeardFrameOf<News>>(&message.heard);
         frame != nullptr && frame->from == life && !frame->entries.empty()) {
       if (!first_event) first_event = std::max<std::uint64_t>(frame->first_sequence, 1);
-      span.heard += frame->entries.size();
-      span.last = std::max<std::uint64_t>(span.last, frame->first_sequence + frame->entries.size() - 1);
+      span.heard += frame->event_count();
+      span.last = std::max<std::uint64_t>(span.last, frame->first_sequence + frame->event_count() - 1);
     }
     const auto* const bookmark = std::get_if<HeardBookmark>(&message.heard);
     if (bookmark == nullptr || bookmark->from != life) continue;
@@ -80,26 +83,27 @@ LifeSpan span_of_life(const ServerLife& life, const std::vector<TimedMessage>& m
 }
 
 /// The contacts that held after event `at`, from messages before and after it.
+template <class News>
 class OpeningContacts {
  public:
   OpeningContacts(const ServerLife& life, std::uint64_t at, nanoseconds begin) : life_(life), at_(at), begin_(begin) {}
 
-  void gather(const std::vector<TimedMessage>& messages) {
-    for (const TimedMessage& message : messages) {
-      const auto* const shard = std::get_if<HeardShard>(&message.heard);
+  void gather(const TimedMessages<News>& messages) {
+    for (const TimedMessage<News>& message : messages) {
+      const auto* const shard = std::get_if<HeardShardOf<News>>(&message.heard);
       if (shard != nullptr && shard->from == life_ && shard->shard < shards_.size()) take_shard(*shard);
     }
-    for (const HeardShard* const shard : shards_) {
+    for (const HeardShardOf<News>* const shard : shards_) {
       if (shard == nullptr) continue;
-      for (const Event& contact : shard->contacts) hold(contact);
+      for (const News& contact : shard->contacts) hold(contact);
     }
-    for (const HeardShard* const shard : later_) {
-      for (const Event& contact : shard->contacts) hold(contact);
+    for (const HeardShardOf<News>* const shard : later_) {
+      for (const News& contact : shard->contacts) hold(contact);
     }
-    for (const TimedMessage& message : messages) {
-      const auto* const frame = std::get_if<HeardFrame>(&message.heard);
+    for (const TimedMessage<News>& message : messages) {
+      const auto* const frame = std::get_if<HeardFrameOf<News>>(&message.heard);
       if (frame == nullptr || frame->from != life_) continue;
-      for (const HeardFrame::Entry& entry : frame->entries) {
+      for (const auto& entry : frame->entries) {
         if (entry.event.kind == EventKind::ended) take_end(entry.event);
         else if (entry.event.kind == EventKind::contained || entry.event.kind == EventKind::emerged)
           take_containment(entry.event);
@@ -107,8 +111,8 @@ class OpeningContacts {
     }
   }
 
-  void tell(WatchState& watch, Clock::time_point now) const {
-    std::array<HeardShard, wire_contract::kContactShards> shards;
+  void tell(WatchStateOf<News>& watch, Clock::time_point now) const {
+    std::array<HeardShardOf<News>, wire_contract::kContactShards> shards;
     HeardBookmark bookmark{.from = life_,
                            .last_event_sequence = at_,
                            .contact_count = 0,
@@ -132,17 +136,17 @@ class OpeningContacts {
   std::uint64_t undated() const { return undated_; }
 
  private:
-  void take_shard(const HeardShard& shard) {
+  void take_shard(const HeardShardOf<News>& shard) {
     if (shard.as_of_sequence > at_) {
       later_.push_back(&shard);
-    } else if (const HeardShard*& newest = shards_[shard.shard];
+    } else if (const HeardShardOf<News>*& newest = shards_[shard.shard];
                newest == nullptr || newest->as_of_sequence <= shard.as_of_sequence) {
       newest = &shard;
     }
   }
 
   /// Takes a contact of a later shard, unless it began only after `at`.
-  Event* hold(const Event& contact) {
+  News* hold(const News& contact) {
     if (contact.episode > at_) return nullptr;
     const auto [held, is_new] = held_.try_emplace({contact.a_id, contact.b_id}, contact);
     if (!is_new && held->second.episode < contact.episode) held->second = contact;
@@ -150,18 +154,18 @@ class OpeningContacts {
   }
 
   /// The first change after `at` tells what was before it; a shard written since tells what came of it.
-  void take_containment(const Event& change) {
+  void take_containment(const News& change) {
     const auto known = held_.find({change.a_id, change.b_id});
     if (known == held_.end() || known->second.episode != change.episode) return;
     if (!changed_.insert(known->first).second) return;
     known->second.contained = change.kind == EventKind::emerged ? change.contained : Containment::none;
   }
 
-  void take_end(const Event& ended) {
+  void take_end(const News& ended) {
     if (ended.episode > at_) return;
     const auto known = held_.find({ended.a_id, ended.b_id});
     if (known == held_.end() || known->second.episode < ended.episode) {
-      Event* const contact = hold(ended);
+      News* const contact = hold(ended);
       contact->kind = EventKind::open;
       contact->reason = EndReason::none;
       contact->began = contact->world_time = begin_;
@@ -170,16 +174,15 @@ class OpeningContacts {
       return;
     }
     // A shard that is too large to carry names leaves them out.
-    known->second.a = ended.a;
-    known->second.b = ended.b;
+    take_names(ended, known->second);
   }
 
   ServerLife life_;
   std::uint64_t at_;
   nanoseconds begin_;
-  std::array<const HeardShard*, wire_contract::kContactShards> shards_{};  // the newest up to the begin
-  std::vector<const HeardShard*> later_;
-  std::map<Pair, Event> held_;
+  std::array<const HeardShardOf<News>*, wire_contract::kContactShards> shards_{};  // the newest up to the begin
+  std::vector<const HeardShardOf<News>*> later_;
+  std::map<Pair, News> held_;
   std::set<Pair> changed_;  // held ones of which a change of containment after `at` is known
   std::uint64_t undated_ = 0;
 };
@@ -197,32 +200,36 @@ std::vector<std::string> scenes_of(const RecordedItems& recorded) {
   return names;
 }
 
-const ServerLife& life_of(const TimedMessage& message) {
+template <class News>
+const ServerLife& life_of(const TimedMessage<News>& message) {
   return std::visit([](const auto& heard) -> const ServerLife& { return heard.from; }, message.heard);
 }
 
 }  // namespace
 
-MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchState& watch, WatchOf subject) {
-  const std::vector<TimedMessage> messages = messages_of(recorded, names, subject);
+template <class News>
+MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchStateOf<News>& watch) {
+  const TimedMessages<News> messages = messages_of<News>(recorded, names);
   MissingEvents missing;
   if (messages.empty()) return missing;
   std::vector<ServerLife> lives;
-  for (const TimedMessage& message : messages) {
+  for (const TimedMessage<News>& message : messages) {
     if (std::find(lives.begin(), lives.end(), life_of(message)) == lives.end()) lives.push_back(life_of(message));
   }
   for (const ServerLife& life : lives) missing.lost += span_of_life(life, messages).lost();
-  OpeningContacts opening(lives.front(), span_of_life(lives.front(), messages).before, span_of(recorded).begin);
+  OpeningContacts<News> opening(lives.front(), span_of_life(lives.front(), messages).before, span_of(recorded).begin);
   opening.gather(messages);
   missing.undated = opening.undated();
   opening.tell(watch, Clock::time_point(nanoseconds(messages.front().log_time)));
-  for (const TimedMessage& message : messages) {
+  for (const TimedMessage<News>& message : messages) {
     const Clock::time_point now{nanoseconds(message.log_time)};
     std::visit([&](const auto& heard) { watch.hear(heard, now); }, message.heard);
   }
   missing.is_begin_doubtful = missing.lost == 0 && lives.size() == 1 && (watch.resyncs() > 0 || !watch.in_step());
   return missing;
 }
+template MissingEvents hear_recording(const RecordedItems&, Names&, WatchStateOf<Event>&);
+template MissingEvents hear_recording(const RecordedItems&, Names&, WatchStateOf<StandingNews>&);
 
 RecordedSpan span_of(const RecordedItems& recorded) {
   const auto first = std::find_if(recorded.items.begin(), recorded.items.end(),
@@ -240,29 +247,30 @@ std::chrono::nanoseconds resolved(const RunTime& time, const RecordedSpan& span)
   return time.offset;
 }
 
-std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanoseconds to, EventOrder order) {
-  using NamePair = std::pair<std::string, std::string>;
+template <class News>
+std::vector<News> in_window(std::vector<News> events, nanoseconds from, nanoseconds to, EventOrder order) {
+  using Known = decltype(names_of(std::declval<const News&>()));
   struct Timed {
     nanoseconds at;
-    const Event* event;
+    const News* event;
   };
   std::vector<Timed> timed;
-  std::map<NamePair, nanoseconds>
-      last_of_pair;  // by pair: its newest event, since a pair's events keep their order whatever their brackets say
-  for (const Event& event : events) {
-    const auto [last, is_first] = last_of_pair.try_emplace(std::minmax(event.a, event.b), nanoseconds::min());
+  // By pair its newest event, since a pair's events keep their order whatever their brackets say.
+  std::map<Known, nanoseconds> last_of_pair;
+  for (const News& event : events) {
+    const auto [last, is_first] = last_of_pair.try_emplace(names_of(event), nanoseconds::min());
     if (event.kind != EventKind::open) last->second = std::max(last->second, happened(event));
     timed.push_back({last->second, &event});
   }
   std::stable_sort(timed.begin(), timed.end(), [](const Timed& a, const Timed& b) { return a.at < b.at; });
 
-  std::vector<Event> told;
-  std::map<NamePair, const Event*> held;
+  std::vector<News> told;
+  std::map<Known, const News*> held;
   std::uint64_t sequence = 0;  // of the newest event in the state at `from`, and its life of the server
   std::uint64_t epoch = 0;
   auto next = timed.begin();
   for (; next != timed.end() && (next->event->kind == EventKind::open || next->at < from); ++next) {
-    const NamePair names = std::minmax(next->event->a, next->event->b);
+    const Known names = names_of(*next->event);
     sequence = std::max(sequence, next->event->sequence);
     epoch = next->event->epoch;
     if (next->event->kind == EventKind::ended) {
@@ -281,17 +289,19 @@ std::vector<Event> in_window(std::vector<Event> events, nanoseconds from, nanose
   }
   for (const auto& [names, contact] : held) {
     if (contact->kind == EventKind::open && contact->began > to) continue;
-    Event& open = told.emplace_back(*contact);
+    News& open = told.emplace_back(*contact);
     open.kind = EventKind::open;
     open.reason = EndReason::none;
     if (contact->kind == EventKind::emerged) open.contained = Containment::none;
     open.resync = true;
     open.sequence = sequence;
   }
-  std::stable_sort(told.begin(), told.end(), [](const Event& a, const Event& b) { return a.began < b.began; });
+  std::stable_sort(told.begin(), told.end(), [](const News& a, const News& b) { return a.began < b.began; });
   for (; next != end; ++next) told.push_back(*next->event);
   return told;
 }
+template std::vector<Event> in_window(std::vector<Event>, nanoseconds, nanoseconds, EventOrder);
+template std::vector<StandingNews> in_window(std::vector<StandingNews>, nanoseconds, nanoseconds, EventOrder);
 
 }  // namespace client
 

@@ -20,9 +20,9 @@ struct MissingEvents {
 
 /// Passes a recording to a new `watch`: what held at its begin as `open`, then its events one by one. What held is
 /// found from everything that the recording says of it: the shards before and after its begin, and events that end
-/// contacts which did not begin in it. Of fences the same.
-MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchState& watch,
-                             WatchOf subject = WatchOf::contacts);
+/// contacts which did not begin in it. `News` are an Event or StandingNews.
+template <class News>
+MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchStateOf<News>& watch);
 
 /// The times of the first and the last sample received while recording, since 1970 by the recorder's clock.
 struct RecordedSpan {
@@ -36,9 +36,10 @@ std::chrono::nanoseconds resolved(const RunTime& time, const RecordedSpan& span)
 /// happened: by happened(). sequence: as a watch reports them, by their numbers, each `open` before what follows it.
 enum class EventOrder { happened, sequence };
 
-/// Selects from events as a WatchState emits them: what held before `from` as `open`, then what happened from `from` to
+/// Selects from events as a WatchStateOf emits them: what held before `from` as `open`, then what happened from `from` to
 /// `to`, both included.
-std::vector<Event> in_window(std::vector<Event> events, std::chrono::nanoseconds from, std::chrono::nanoseconds to,
-                             EventOrder order);
+template <class News>
+std::vector<News> in_window(std::vector<News> events, std::chrono::nanoseconds from, std::chrono::nanoseconds to,
+                            EventOrder order);
 
 }  // namespace collided::client

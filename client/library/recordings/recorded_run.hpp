@@ -47,7 +47,7 @@ struct RecordedRun : RecordedItems {
   std::string scenes;                                      // names, one a line, from the newest status
 };
 
-/// Whether it says that its client has gone, and took fences along: a reply to no request.
+/// Whether it says that its client has gone, and took standing questions along: a reply to no request.
 bool is_farewell(const wire::Reply& reply);
 
 /// Reads a recording for replay. Throws std::runtime_error with the path and the reason where nothing can be replayed.

@@ -41,10 +41,12 @@ struct Recording::State::Readers {
   dds::Reader<wire::PoseBatch> pose;
   dds::Reader<wire::Query> query;
   dds::Reader<wire::Reply> reply;
-  dds::Reader<wire::EventFrame> event, fence_event;
-  dds::Reader<wire::ContactShard> contact, fence_state;
+  dds::Reader<wire::EventFrame> event;
+  dds::Reader<wire::ContactShard> contact;
   dds::Reader<wire::ProbeFrame> probe;
   dds::Reader<wire::Status> status, step;
+  dds::Reader<wire::StandingFrame> standing_event;
+  dds::Reader<wire::StandingShard> standing_state;
 };
 
 template <class T>
@@ -62,8 +64,6 @@ dds::ReaderOptions<T> Recording::State::into(Recorded topic, std::string partiti
                                     { hear(loans[i]) } -> std::same_as<bool>;
                                   }) {
                       if (!hear(loans[i])) continue;
-                    } else if constexpr (requires { hear(loans[i], topic); }) {
-                      hear(loans[i], topic);
                     } else if constexpr (requires { hear(loans[i]); }) {
                       hear(loans[i]);
                     }
@@ -81,47 +81,47 @@ void Recording::State::hear(const wire::Definition& sample) {
 void Recording::State::hear(const wire::PoseBatch& sample) {
   if (sample.sequence_number > 0) loss_.hear_poses(sample.publisher, sample.incarnation, sample.sequence_number);
 }
-void Recording::State::hear(const wire::EventFrame& sample, Recorded topic) {
-  const bool is_of_fences = topic == Recorded::fence_event;
-  client::RecordedLoss& loss = is_of_fences ? fence_loss_ : loss_;
-  loss.hear_events(sample.server, sample.epoch, sample.first_sequence, sample.kinds._length);
-  if (!is_of_fences) return;
-  has_fences_.store(true);
-  ++written_.fence_changes;
+void Recording::State::hear(const wire::EventFrame& sample) {
+  loss_.hear_events(sample.server, sample.epoch, sample.first_sequence, sample.kinds._length);
 }
-void Recording::State::hear(const wire::ContactShard&, Recorded topic) {
-  if (topic != Recorded::fence_state) return;
-  has_fences_.store(true);
-  ++written_.fence_changes;
+void Recording::State::hear(const wire::StandingFrame& sample) {
+  standing_loss_.hear_events(sample.server, sample.epoch, sample.first_sequence, sample.kinds._length);
+  ++written_.standing_changes;
 }
-/// A server that starts again brings its kept fences back.
+/// The sum comes 20 times a second, whether anything changed or not. Before the first event nothing is recorded.
+bool Recording::State::hear(const wire::StandingShard& sample) {
+  if (sample.as_of_sequence == 0) return false;
+  if (sample.shard != wire_contract::kStandingSum) ++written_.standing_changes;
+  return true;
+}
+/// A server that starts again brings its kept standing questions back.
 void Recording::State::hear(const wire::Status& sample) {
-  if (std::exchange(epoch_, sample.epoch) != sample.epoch) ++written_.fence_changes;
+  if (std::exchange(epoch_, sample.epoch) != sample.epoch) ++written_.standing_changes;
 }
 /// The requests of the recording's own connection are not recorded.
 bool Recording::State::hear(const wire::Query& sample) {
   if (sample.client == connection_->client()) return false;
   loss_.hear_question(sample.client, sample.request, Clock::now());
-  note_fence_command(sample);
+  note_standing_command(sample);
   return true;
 }
 bool Recording::State::hear(const wire::Reply& sample) {
   if (sample.client == connection_->client()) return false;
-  // Who has gone took fences along, and had asked nothing.
-  if (sample.request == 0) return ++written_.fence_changes, true;
+  // A client that has gone took standing questions along; nothing was asked.
+  if (sample.request == 0) return ++written_.standing_changes, true;
   loss_.hear_reply(sample.client, sample.request, Clock::now());
-  if (std::erase(fence_commands_, std::pair(sample.client, sample.request)) > 0) ++written_.fence_changes;
+  if (std::erase(standing_commands_, std::pair(sample.client, sample.request)) > 0) ++written_.standing_changes;
   return true;
 }
-/// Once it is answered, fences may be others.
-void Recording::State::note_fence_command(const wire::Query& sample) {
+/// Once it is answered, there may be other standing questions.
+void Recording::State::note_standing_command(const wire::Query& sample) {
   constexpr std::size_t kMostCommands = 1'000;
   if (sample.kind != static_cast<std::uint8_t>(wire_contract::QuestionKind::command)) return;
   if (std::string_view(sample.text).find('"' + std::string(wire_contract::command::kFence) + '"') ==
       std::string_view::npos)
     return;
-  if (fence_commands_.size() == kMostCommands) fence_commands_.pop_front();
-  fence_commands_.emplace_back(sample.client, sample.request);
+  if (standing_commands_.size() == kMostCommands) standing_commands_.pop_front();
+  standing_commands_.emplace_back(sample.client, sample.request);
 }
 
 Recording::State::State(std::shared_ptr<client::Connection> connection, const std::string& path)
@@ -133,16 +133,12 @@ Recording::State::State(std::shared_ptr<client::Connection> connection, const st
       query_topic_(connection_->participant(), connection_->options().name_space, kOverheardQuestions),
       reply_topic_(connection_->participant(), connection_->options().name_space),
       event_topic_(connection_->participant(), connection_->options().name_space),
-      fence_event_topic_(connection_->participant(), connection_->options().name_space,
-                         wire_contract::kFenceEventTopic),
       contact_topic_(connection_->participant(), connection_->options().name_space),
-      fence_state_topic_(connection_->participant(), connection_->options().name_space,
-                         wire_contract::kFenceStateTopic),
       probe_topic_(connection_->participant(), connection_->options().name_space),
       status_topic_(connection_->participant(), connection_->options().name_space),
       step_topic_(connection_->participant(), connection_->options().name_space, wire_contract::kStepTopic),
-      fence_status_topic_(connection_->participant(), connection_->options().name_space,
-                          wire_contract::kFenceStatusTopic) {
+      standing_event_topic_(connection_->participant(), connection_->options().name_space),
+      standing_state_topic_(connection_->participant(), connection_->options().name_space) {
   for (const recording::RecordedTopic& topic : recording::kRecordedTopics) {
     written_.channels.push_back({.topic = topic.row.suffix, .samples = 0, .lost = 0});
   }
@@ -154,13 +150,14 @@ Recording::State::State(std::shared_ptr<client::Connection> connection, const st
           query_topic_, into<wire::Query>(Recorded::query, connection_->options().keys.empty() ? "" : kAllRights)),
       .reply = dds::Reader<wire::Reply>(reply_topic_, into<wire::Reply>(Recorded::reply, kAllClients)),
       .event = dds::Reader<wire::EventFrame>(event_topic_, into<wire::EventFrame>(Recorded::event)),
-      .fence_event = dds::Reader<wire::EventFrame>(fence_event_topic_, into<wire::EventFrame>(Recorded::fence_event)),
       .contact = dds::Reader<wire::ContactShard>(contact_topic_, into<wire::ContactShard>(Recorded::contact)),
-      .fence_state =
-          dds::Reader<wire::ContactShard>(fence_state_topic_, into<wire::ContactShard>(Recorded::fence_state)),
       .probe = dds::Reader<wire::ProbeFrame>(probe_topic_, into<wire::ProbeFrame>(Recorded::probe)),
       .status = dds::Reader<wire::Status>(status_topic_, into<wire::Status>(Recorded::status)),
-      .step = dds::Reader<wire::Status>(step_topic_, into<wire::Status>(Recorded::step))});
+      .step = dds::Reader<wire::Status>(step_topic_, into<wire::Status>(Recorded::step)),
+      .standing_event =
+          dds::Reader<wire::StandingFrame>(standing_event_topic_, into<wire::StandingFrame>(Recorded::standing_event)),
+      .standing_state = dds::Reader<wire::StandingShard>(standing_state_topic_,
+                                                         into<wire::StandingShard>(Recorded::standing_state))});
 }
 
 Result<std::unique_ptr<Recording::State>> Recording::State::start(std::shared_ptr<client::Connection> connection,
@@ -185,7 +182,7 @@ void Recording::State::wait_until_heard() const {
   const Clock::time_point start = Clock::now();
   const auto heard = [&] {
     return readers_->step.matched_writers() > 0 && readers_->event.matched_writers() > 0 &&
-           readers_->fence_event.matched_writers() > 0;
+           readers_->standing_event.matched_writers() > 0;
   };
   client::wait_until(start + 2 * kEverybody, [&] { return Clock::now() >= start + kEverybody && heard(); });
 }
@@ -208,7 +205,6 @@ std::string Recording::State::begin_with_opening() {
     writer_.write(static_cast<std::uint16_t>(*topic), message.head.log_time, message.head.publish_time, message.data);
     const std::lock_guard lock(mutex_);
     ++given_[static_cast<std::size_t>(*topic) - 1];
-    if (*topic == Recorded::fence_state) has_fences_.store(true);
     dds::Sample<wire::PoseBatch> batch;
     if (*topic == Recorded::pose && wire::read_cdr(message.data, batch)) hear(*batch);
   }
@@ -230,8 +226,6 @@ void Recording::State::run() {
   bool last = false;
   while (!last) {
     last = stopping_.load();  // what came before it is still taken
-    if (last) fence_status_reader_.reset();
-    else follow_fence_status();
     queue_.take(batch, std::chrono::milliseconds(100));
     add_own_channels();
     for (const RecordingQueue::Entry& entry : batch.entries) {
@@ -245,11 +239,6 @@ void Recording::State::run() {
     }
     note_written();
   }
-}
-
-void Recording::State::follow_fence_status() {
-  if (!fence_status_reader_ && has_fences_.load())
-    fence_status_reader_.emplace(fence_status_topic_, into<wire::Status>(Recorded::fence_status));
 }
 
 /// Those that were new to write() come after the topics, in the same order.
@@ -301,7 +290,7 @@ void Recording::State::note_written() {
     channel.lost = dropped[i];
     if (topic == Recorded::pose) channel.lost += loss_.poses();
     if (topic == Recorded::event) channel.lost += loss_.events();
-    if (topic == Recorded::fence_event) channel.lost += fence_loss_.events();
+    if (topic == Recorded::standing_event) channel.lost += standing_loss_.events();
     if (topic == Recorded::query) channel.lost += loss_.questions();
     written_.lost += channel.lost;
   }

@@ -6,7 +6,6 @@
 #include <deque>
 #include <memory>
 #include <mutex>
-#include <optional>
 #include <set>
 #include <string>
 #include <string_view>
@@ -26,8 +25,7 @@ namespace collided {
 
 /// Readers of every topic of a namespace, and a thread that writes the samples to a file. They slow down no writer:
 /// questions are read best-effort, since a reliable reader that stalls would block the clients; the writers of all
-/// other topics keep only their newest samples and do not block. The status of fences, which the server writes only for
-/// its readers, has one once something was told of fences.
+/// other topics keep only their newest samples and do not block.
 struct [[gnu::visibility("hidden")]] Recording::State {
   static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection, const std::string& path);
   ~State();
@@ -48,7 +46,6 @@ struct [[gnu::visibility("hidden")]] Recording::State {
   void run();
   void note_written();
   void add_own_channels();
-  void follow_fence_status();
   // Options of a reader that puts its samples into the queue.
   template <class T>
   dds::ReaderOptions<T> into(recording::Recorded topic, std::string partition = {});
@@ -57,10 +54,11 @@ struct [[gnu::visibility("hidden")]] Recording::State {
   void hear(const wire::PoseBatch& sample);
   bool hear(const wire::Query& sample);
   bool hear(const wire::Reply& sample);
-  void hear(const wire::EventFrame& sample, recording::Recorded topic);
-  void hear(const wire::ContactShard& sample, recording::Recorded topic);
+  void hear(const wire::EventFrame& sample);
+  void hear(const wire::StandingFrame& sample);
+  bool hear(const wire::StandingShard& sample);
   void hear(const wire::Status& sample);
-  void note_fence_command(const wire::Query& sample);
+  void note_standing_command(const wire::Query& sample);
 
   std::shared_ptr<client::Connection> connection_;
   mcap::FileOutput output_;
@@ -71,27 +69,28 @@ struct [[gnu::visibility("hidden")]] Recording::State {
 
   mutable std::mutex mutex_;  // guards the members from here to the topics
   client::RecordedLoss loss_;
-  client::RecordedLoss fence_loss_;  // of the events of fences, which have numbers of their own
-  std::uint64_t epoch_ = 0;          // of the newest status
-  std::deque<std::pair<std::uint64_t, std::uint64_t>> fence_commands_;  // client and request, without an answer so far
+  client::RecordedLoss standing_loss_;  // of events of standing questions, which have numbers of their own
+  std::uint64_t epoch_ = 0;             // of the newest status
+  std::deque<std::pair<std::uint64_t, std::uint64_t>>
+      standing_commands_;  // client and request, without an answer so far
   std::vector<OwnChannel> own_;
   std::size_t own_in_file_ = 0;
   std::array<std::uint64_t, client::RecordingQueue::kChannels> given_{};
   RecordingCounts written_;
   bool finished_ = false;
-  std::atomic<bool> has_fences_{false};  // who is in which fence was told
 
   dds::Topic<wire::Definition> object_topic_;
   dds::Topic<wire::PoseBatch> pose_topic_;
   dds::Topic<wire::Query> query_topic_;
   dds::Topic<wire::Reply> reply_topic_;
-  dds::Topic<wire::EventFrame> event_topic_, fence_event_topic_;
-  dds::Topic<wire::ContactShard> contact_topic_, fence_state_topic_;
+  dds::Topic<wire::EventFrame> event_topic_;
+  dds::Topic<wire::ContactShard> contact_topic_;
   dds::Topic<wire::ProbeFrame> probe_topic_;
-  dds::Topic<wire::Status> status_topic_, step_topic_, fence_status_topic_;
+  dds::Topic<wire::Status> status_topic_, step_topic_;
+  dds::Topic<wire::StandingFrame> standing_event_topic_;
+  dds::Topic<wire::StandingShard> standing_state_topic_;
   struct Readers;
   std::unique_ptr<Readers> readers_;
-  std::optional<dds::Reader<wire::Status>> fence_status_reader_;  // the writing thread's, once there is something
   std::thread thread_;
 };
 

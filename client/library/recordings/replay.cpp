@@ -17,7 +17,7 @@
 #include "client/library/recordings/recorded_events.hpp"
 #include "client/library/recordings/recorded_run.hpp"
 #include "client/library/recordings/replay_times.hpp"
-#include "client/library/recordings/replayed_fences.hpp"
+#include "client/library/recordings/replayed_standing.hpp"
 #include "client/library/recordings/replayed_publishers.hpp"
 #include "collided/recording.hpp"
 #include "idl/clocks.hpp"
@@ -55,10 +55,10 @@ struct ReplayFailure : std::runtime_error {
 class Replaying {
  public:
   Replaying(Connection& connection, const RecordedRun& run, const ReplayOptions& options)
-      : connection_(connection), run_(run), options_(options), publishers_(connection), fences_(connection) {}
+      : connection_(connection), run_(run), options_(options), publishers_(connection), standing_(connection) {}
 
   ReplayReport take() {
-    report_.fences = fences_.made();
+    report_.standing = standing_.made();
     return std::move(report_);
   }
 
@@ -95,7 +95,7 @@ class Replaying {
     ++report_.commands;
     if (!refusal.empty()) return warn(std::string("refused now: ") + query[0]->text + ": " + refusal);
     if (command_of(arguments) == wire_contract::command::kFence)
-      fences_.done(recorded_client, arguments, dds::view(query[0]->blob));
+      standing_.done(recorded_client, arguments, dds::view(query[0]->blob));
   }
 
   void ask(std::vector<dds::Sample<wire::Query>>& queries, const std::function<void(const wire::Reply&)>& take) {
@@ -136,11 +136,11 @@ class Replaying {
   const ReplayOptions& options_;
   ReplayReport report_;
   ReplayedPublishers publishers_;
-  client::ReplayedFences fences_;
+  client::ReplayedStanding standing_;
 
  private:
   void say_farewell(const RecordedItem& item) {
-    if (wire::read_cdr(item.data, farewell_)) fences_.owner_gone(farewell_->client);
+    if (wire::read_cdr(item.data, farewell_)) standing_.owner_gone(farewell_->client);
   }
 
   dds::Sample<wire::Definition> definition_;

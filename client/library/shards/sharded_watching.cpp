@@ -136,7 +136,7 @@ void ShardedWatching::ask_all() {
 bool ShardedWatching::is_outdated() const {
   return std::ranges::any_of(shards_, [](const WatchedShard& shard) {
     if (!shard.now) return false;
-    const std::optional<EventPlace> through = shard.watch->told_through();
+    const std::optional<EventPlace> through = shard.watch->feed().told_through();
     return !shard.watch->health().connected || (through && through->epoch > shard.now->told.epoch);
   });
 }
@@ -144,7 +144,7 @@ bool ShardedWatching::is_outdated() const {
 bool ShardedWatching::has_heard_all() const {
   return std::ranges::all_of(shards_, [](const WatchedShard& shard) {
     if (!shard.now) return true;
-    const std::optional<EventPlace> through = shard.watch->told_through();
+    const std::optional<EventPlace> through = shard.watch->feed().told_through();
     return through && through->epoch == shard.now->told.epoch && through->sequence >= shard.now->told.sequence;
   });
 }
@@ -179,7 +179,7 @@ std::optional<ShardedWatching::ShardProgress> ShardedWatching::ask(std::size_t s
 void ShardedWatching::count_gaps(std::size_t shard) {
   WatchedShard& watched = shards_[shard];
   if (!watched.watch) return;
-  const std::uint64_t gaps = watched.watch->gaps();
+  const std::uint64_t gaps = watched.watch->feed().gaps();
   gaps_ += gaps - std::exchange(watched.gaps, gaps);
   judge_life_change(watched);
 }
@@ -187,9 +187,9 @@ void ShardedWatching::count_gaps(std::size_t shard) {
 /// What happened between two lives of a server may be missing, unless the second one has taken the first one's place and tells
 /// all from before that, and the watch has heard that from its first event on.
 void ShardedWatching::judge_life_change(WatchedShard& watched) {
-  const LifeChange change = watched.watch->life_change();
+  const LifeChange change = watched.watch->feed().life_change();
   if (change.changes == watched.life_changes) return;
-  const std::optional<EventPlace> through = watched.watch->told_through();
+  const std::optional<EventPlace> through = watched.watch->feed().told_through();
   const bool is_heard = watched.now && watched.now->told.epoch == change.now.epoch && through &&
                         through->epoch == change.now.epoch && through->sequence >= watched.now->told.sequence;
   // Where it does not answer at all, that is counted when it is given up.

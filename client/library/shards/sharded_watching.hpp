@@ -78,7 +78,7 @@ class [[gnu::visibility("hidden")]] ShardedWatching : public Subscription<Event>
   std::optional<std::chrono::nanoseconds> may_settle_;  // by the round before
   EpisodeMerge merge_;
 
-  EventQueue events_;
+  EventQueue<Event> events_;
   std::mutex over_mutex_;
   std::condition_variable over_came_;
   bool is_over_ = false;

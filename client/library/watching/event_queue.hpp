@@ -8,36 +8,37 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "client/library/connection/server_pulse.hpp"
-#include "collided/events.hpp"
 
 namespace collided::client {
 
 /// Events that wait to be polled. When it is full the oldest is dropped and counted.
 ///
 /// threads  any
+template <class News>
 class EventQueue {
  public:
   explicit EventQueue(std::size_t capacity) : capacity_(std::max<std::size_t>(capacity, 1)) {}
 
-  void push(const Event& event) {
+  void push(News event) {
     {
       const std::lock_guard lock(mutex_);
       if (events_.size() >= capacity_) {
         events_.pop_front();
         ++lost_;
       }
-      events_.push_back(event);
+      events_.push_back(std::move(event));
     }
     came_.notify_one();
   }
-  std::optional<Event> next(std::chrono::nanoseconds wait) {
+  std::optional<News> next(std::chrono::nanoseconds wait) {
     std::unique_lock lock(mutex_);
     // An endless wait would overflow the clock, so it is cut to a year.
     const auto most = std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
     if (!came_.wait_until(lock, Clock::now() + most, [this] { return !events_.empty(); })) return std::nullopt;
-    Event event = std::move(events_.front());
+    News event = std::move(events_.front());
     events_.pop_front();
     return event;
   }
@@ -53,7 +54,7 @@ class EventQueue {
  private:
   mutable std::mutex mutex_;
   std::condition_variable came_;
-  std::deque<Event> events_;
+  std::deque<News> events_;
   std::size_t capacity_;
   std::uint64_t lost_ = 0;
 };

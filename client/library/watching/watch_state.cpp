@@ -1,7 +1,10 @@
 #include "client/library/watching/watch_state.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
+
+#include "client/library/watching/standing_news.hpp"
 
 namespace collided::client {
 namespace {
@@ -20,11 +23,9 @@ std::pair<std::uint64_t, std::uint64_t> pair_of(const Event& event) { return {ev
 
 std::uint64_t hash_of(const Event& event) { return wire_contract::contact_hash(event.a_id, event.b_id, event.episode); }
 
-/// The two names sorted, since the ids, and with them the order of the two, change when an object is defined anew.
-std::pair<std::string, std::string> names_of(const Event& event) { return std::minmax(event.a, event.b); }
-
-Event as_open(const Event& event) {
-  Event open = event;
+template <class News>
+News as_open(const News& event) {
+  News open = event;
   open.kind = EventKind::open;
   open.reason = EndReason::none;
   if (event.kind == EventKind::emerged) open.contained = Containment::none;
@@ -53,19 +54,38 @@ Containment turned_round(Containment which) {
 }
 
 /// News of a contact, with the names under which it was reported: a shard too large to carry names leaves them out.
-Event named_as(const Event& told, Event news) {
-  news.a = told.a;
-  news.b = told.b;
+template <class News>
+News named_as(const News& told, News news) {
+  take_names(told, news);
   news.began = told.began;
   return news;
 }
 
+/// Whether it began what has ended again before it is reported: a part of a crossing.
+bool is_passing(const Event&) { return false; }
+bool is_passing(const StandingNews& news) { return news.is_silent && news.kind == EventKind::began; }
+
+/// Of a nearest object, `next` reports that `before`, whose end was missed, is not the nearest any more.
+void supersede(Event&, Event&) {}
+void supersede(StandingNews& before, StandingNews& next) {
+  before.is_superseded = before.reported.form == StandingForm::nearest;
+  if (before.is_superseded) next.reported.other = before.a;
+}
+
 }  // namespace
+
+std::pair<std::string, std::string> names_of(const Event& event) { return std::minmax(event.a, event.b); }
+
+void take_names(const Event& from, Event& to) {
+  to.a = from.a;
+  to.b = from.b;
+}
 
 // ---- which server
 // -----------------------------------------------------------------------------------------------------
 
-bool WatchState::is_current(const ServerLife& from, Clock::time_point now) {
+template <class News>
+bool WatchStateOf<News>::is_current(const ServerLife& from, Clock::time_point now) {
   // A smaller epoch is an earlier server's, which may have been stopped and goes on.
   const auto heir_after = [&] {
     return from.epoch < life_->epoch ? wire_contract::kForgottenNs : wire_contract::kStatusLostNs;
@@ -79,15 +99,16 @@ bool WatchState::is_current(const ServerLife& from, Clock::time_point now) {
   return true;
 }
 
-void WatchState::start_life(const ServerLife& life) {
-  for (auto& [pair, contact] : held_) { carried_.insert_or_assign(names_of(contact), std::move(contact)); }
+template <class News>
+void WatchStateOf<News>::start_life(const ServerLife& life) {
+  for (auto& [pair, contact] : held_) { carried_.insert_or_assign(place_of(contact), std::move(contact)); }
   held_.clear();
-  held_by_names_.clear();
+  held_by_place_.clear();
   told_.clear();
   told_to_ = {};
   if (mode_ != Mode::starting) {
     told_to_ = std::max(joined_, bookmark_ ? bookmark_->world_time : std::chrono::nanoseconds(0));
-    for (const HeardFrame::Entry& entry : recent_) { note_told(entry.event); }
+    for (const Entry& entry : recent_) { note_told(entry.event); }
   }
   if (mode_ != Mode::starting && life_) {
     life_change_ = {.changes = life_change_.changes + 1, .before = *life_, .now = life, .heard_from = 0};
@@ -106,18 +127,21 @@ void WatchState::start_life(const ServerLife& life) {
   }
 }
 
-void WatchState::note_heard_from(std::uint64_t sequence) {
+template <class News>
+void WatchStateOf<News>::note_heard_from(std::uint64_t sequence) {
   if (run_start_ != 0 || life_change_.changes == 0) { return; }
   std::uint64_t& from = life_change_.heard_from;
   from = from == 0 ? sequence : std::min(from, sequence);
 }
 
 /// Something was missed, or may have been.
-void WatchState::note_gap() {
+template <class News>
+void WatchStateOf<News>::note_gap() {
   if (!std::exchange(has_gap_, true)) { ++gaps_; }
 }
 
-void WatchState::note_told(const Event& event) {
+template <class News>
+void WatchStateOf<News>::note_told(const News& event) {
   if (event.reason == EndReason::server_stopping) { return; }  // about the server: an heir has the contact still
   Told& told = told_[names_of(event)];
   const std::chrono::nanoseconds time = happened(event);
@@ -126,31 +150,35 @@ void WatchState::note_told(const Event& event) {
   told_to_ = std::max(told_to_, event.world_time);
 }
 
-bool WatchState::was_told(const Event& event, bool is_again) const {
+template <class News>
+bool WatchStateOf<News>::was_told(const News& event, const News& last, bool is_again) const {
   if (told_to_.count() == 0) { return false; }
-  const std::chrono::nanoseconds time = happened(event);
+  const News& newest = event.kind == EventKind::began ? last : event;
+  const std::chrono::nanoseconds time = happened(newest);
   const auto told = told_.find(names_of(event));
   if (told != told_.end()) {
-    const bool is_kind_told = (told->second.kinds & (1U << static_cast<unsigned>(event.kind))) != 0;
+    const bool is_kind_told = (told->second.kinds & (1U << static_cast<unsigned>(newest.kind))) != 0;
     const bool is_then = time >= told->second.time - kRounded && time <= told->second.time + kRounded;
     if (is_then && is_kind_told) { return true; }
     if (is_again && time < told->second.time - kRounded) { return true; }
   }
   if (!is_again) { return false; }
   if (time <= joined_) { return true; }  // the state that was adopted first had it
-  if (held_.contains(pair_of(event)) || carried_.contains(names_of(event))) { return false; }
+  if (held_.contains(pair_of(event)) || is_carried(event)) { return false; }
   // An end without a beginning is that of a contact which has ended here.
   return event.kind != EventKind::began && time <= told_to_ + kCommandsApart;
 }
 
 /// Whether the contact that the state of a new life has was told to have ended, which that server has yet to work out.
-bool WatchState::has_ended_before(const Event& contact) const {
+template <class News>
+bool WatchStateOf<News>::has_ended_before(const News& contact) const {
   const auto told = told_.find(names_of(contact));
   return told != told_.end() && (told->second.kinds & (1U << static_cast<unsigned>(EventKind::ended))) != 0 &&
          told->second.time > contact.began + kRounded;
 }
 
-void WatchState::doubt() {
+template <class News>
+void WatchStateOf<News>::doubt() {
   if (mode_ != Mode::starting) { note_gap(); }
   if (mode_ == Mode::in_step) {
     mode_ = Mode::doubtful;
@@ -161,29 +189,41 @@ void WatchState::doubt() {
 // ---- events
 // -----------------------------------------------------------------------------------------------------------
 
-void WatchState::hear(const HeardFrame& frame, Clock::time_point now) {
+template <class News>
+void WatchStateOf<News>::hear(const HeardFrameOf<News>& frame, Clock::time_point now) {
   if (!is_current(frame.from, now)) { return; }
-  for (std::size_t i = 0; i < frame.entries.size(); ++i) {
-    HeardFrame::Entry entry = frame.entries[i];
-    entry.event.sequence = frame.first_sequence + i;
-    entry.event.epoch = frame.from.epoch;
-    if (run_start_ != 0 && entry.event.sequence <= applied_) { continue; }
-    note_heard_from(entry.event.sequence);
+  std::uint64_t sequence = frame.first_sequence;
+  for (auto next = frame.entries.begin(); next != frame.entries.end(); ++sequence) {
+    const auto first = next;
+    while (next->joins_next && std::next(next) != frame.entries.end()) ++next;
+    const Entry& last = *next++;
+    if (run_start_ != 0 && sequence <= applied_) { continue; }
+    note_heard_from(sequence);
     const bool is_first_of_life = run_start_ == 0 && mode_ == Mode::doubtful;
-    if (mode_ != Mode::starting && !is_first_of_life && entry.event.sequence != applied_ + 1) { doubt(); }
-    if (run_start_ == 0 || entry.event.sequence != applied_ + 1) { run_start_ = entry.event.sequence; }
-    applied_ = entry.event.sequence;
-    note(entry);
-    if (mode_ != Mode::starting && !was_told(entry.event, frame.is_again)) { apply(entry.event); }
+    if (mode_ != Mode::starting && !is_first_of_life && sequence != applied_ + 1) { doubt(); }
+    if (run_start_ == 0 || sequence != applied_ + 1) { run_start_ = sequence; }
+    applied_ = sequence;
+    for (auto part = first; part != next; ++part) {
+      Entry entry = *part;
+      entry.event.sequence = sequence;
+      entry.event.epoch = frame.from.epoch;
+      note(entry);
+      if (mode_ != Mode::starting && !was_told(entry.event, last.event, frame.is_again)) { apply(entry.event); }
+    }
   }
 }
 
-void WatchState::note(const HeardFrame::Entry& entry) {
-  if (recent_.size() == kMostRecent) { recent_.pop_front(); }
+template <class News>
+void WatchStateOf<News>::note(const Entry& entry) {
+  if (recent_.size() >= kMostRecent) {
+    while (recent_.front().joins_next && recent_.size() > 1) recent_.pop_front();
+    recent_.pop_front();
+  }
   recent_.push_back(entry);
 }
 
-void WatchState::apply(const Event& event) {
+template <class News>
+void WatchStateOf<News>::apply(const News& event) {
   if (event.kind == EventKind::began) {
     apply_began(event);
   } else if (event.kind == EventKind::ended) {
@@ -193,7 +233,8 @@ void WatchState::apply(const Event& event) {
   }
 }
 
-void WatchState::apply_began(const Event& event) {
+template <class News>
+void WatchStateOf<News>::apply_began(const News& event) {
   const auto held = held_.find(pair_of(event));
   if (held != held_.end()) {
     if (held->second.episode == event.episode) { return; }
@@ -201,57 +242,70 @@ void WatchState::apply_began(const Event& event) {
     emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
     release(held);
   }
-  if (carry_over(event)) { return; }
-  end_namesake(event);
-  Event began = event;
+  // What held in an earlier life has ended, where the object came in again and has left.
+  if (!is_passing(event) && carry_over(event)) { return; }
+  News began = event;
+  end_namesake(began);
   began.began = start_of(event);
   began.contained = Containment::none;
   hold(as_open(began));
   emit_(began);
 }
 
-void WatchState::hold(const Event& contact) {
+template <class News>
+void WatchStateOf<News>::hold(const News& contact) {
   held_.insert_or_assign(pair_of(contact), contact);
-  held_by_names_.insert_or_assign(names_of(contact), pair_of(contact));
+  held_by_place_.insert_or_assign(place_of(contact), pair_of(contact));
 }
 
-WatchState::Contacts::iterator WatchState::release(Contacts::iterator held) {
-  const auto named = held_by_names_.find(names_of(held->second));
-  if (named != held_by_names_.end() && named->second == held->first) held_by_names_.erase(named);
+template <class News>
+auto WatchStateOf<News>::release(Held held) -> Held {
+  const auto named = held_by_place_.find(place_of(held->second));
+  if (named != held_by_place_.end() && named->second == held->first) held_by_place_.erase(named);
   return held_.erase(held);
 }
 
 /// A name belongs to one object at a time. So an event with the same names and other ids means that the objects were
 /// defined anew and that the end of the contact held under these names was missed.
-void WatchState::end_namesake(const Event& event) {
-  const auto named = held_by_names_.find(names_of(event));
-  if (named == held_by_names_.end() || named->second == pair_of(event)) { return; }
+template <class News>
+void WatchStateOf<News>::end_namesake(News& event) {
+  const auto carried = carried_.empty() ? carried_.end() : carried_.find(place_of(event));
+  if (carried != carried_.end() && (is_passing(event) || names_of(carried->second) != names_of(event))) {
+    supersede(carried->second, event);
+    emit_missed(carried->second, EventKind::ended, EndReason::none, event.sequence);
+    carried_.erase(carried);
+  }
+  const auto named = held_by_place_.find(place_of(event));
+  if (named == held_by_place_.end() || named->second == pair_of(event)) { return; }
   doubt();
   const auto held = held_.find(named->second);
+  supersede(held->second, event);
   emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
   release(held);
 }
 
-void WatchState::apply_ended(const Event& event) {
+template <class News>
+void WatchStateOf<News>::apply_ended(const News& event) {
   if (!held_.contains(pair_of(event))) { carry_over(event); }
   auto held = held_.find(pair_of(event));
   if (held == held_.end() || held->second.episode != event.episode) { held = begin_missed(event); }
-  Event ended = named_as(held->second, event);
+  News ended = named_as(held->second, event);
   if (held->second.contained != Containment::none) change_missed(held->second, ended, event.sequence);
   release(held);
   emit_(ended);
 }
 
 /// Of a contact, news of which have come, but not its beginning.
-WatchState::Contacts::iterator WatchState::begin_missed(const Event& event) {
+template <class News>
+auto WatchStateOf<News>::begin_missed(const News& event) -> Held {
   doubt();
   const auto held = held_.find(pair_of(event));
   if (held != held_.end()) {
     emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
     release(held);
   }
-  end_namesake(event);
-  Event contact = as_open(event);
+  News contact = as_open(event);
+  end_namesake(contact);
   contact.contained = event.kind == EventKind::emerged ? event.contained : Containment::none;
   contact.began = happened(event);  // its real beginning was missed
   emit_missed(contact, EventKind::began, EndReason::none, event.sequence);
@@ -259,7 +313,8 @@ WatchState::Contacts::iterator WatchState::begin_missed(const Event& event) {
   return held_.find(pair_of(event));
 }
 
-void WatchState::apply_containment(const Event& event) {
+template <class News>
+void WatchStateOf<News>::apply_containment(const News& event) {
   if (!held_.contains(pair_of(event))) { carry_over(event, false); }
   auto held = held_.find(pair_of(event));
   if (held == held_.end() || held->second.episode != event.episode) { held = begin_missed(event); }
@@ -270,46 +325,57 @@ void WatchState::apply_containment(const Event& event) {
 }
 
 /// Emits what was missed of a contact that is held: who came to lie within the other, or no longer does.
-void WatchState::change_missed(Event& held, const Event& news, std::uint64_t sequence) {
+template <class News>
+void WatchStateOf<News>::change_missed(News& held, const News& news, std::uint64_t sequence) {
   if (held.contained == news.contained) { return; }
   if (held.contained != Containment::none) { emit_missed(held, EventKind::emerged, EndReason::none, sequence); }
   held.contained = news.contained;
   if (held.contained != Containment::none) { emit_missed(held, EventKind::contained, EndReason::none, sequence); }
 }
 
-void WatchState::hear_persisted(const HeardFrame& frame) {
+template <class News>
+void WatchStateOf<News>::hear_persisted(const HeardFrameOf<News>& frame) {
   if (life_ != frame.from || mode_ == Mode::starting) { return; }
-  for (const HeardFrame::Entry& entry : frame.entries) {
+  for (const Entry& entry : frame.entries) {
     const auto held = held_.find(pair_of(entry.event));
     if (entry.event.kind != EventKind::persisted || held == held_.end() ||
         held->second.episode != entry.event.episode) {
       continue;
     }
-    Event persisted = named_as(held->second, entry.event);
+    News persisted = named_as(held->second, entry.event);
     persisted.epoch = frame.from.epoch;
     persisted.sequence = applied_;
     emit_(persisted);
   }
 }
 
+template <class News>
+bool WatchStateOf<News>::is_carried(const News& event) const {
+  if (carried_.empty()) { return false; }
+  const auto carried = carried_.find(place_of(event));
+  return carried != carried_.end() && names_of(carried->second) == names_of(event);
+}
+
 // Ids of an earlier life mean nothing in this one, so pairs are identified by their names.
-bool WatchState::carry_over(const Event& event, bool tells_containment) {
-  const auto carried = carried_.find(names_of(event));
-  if (carried == carried_.end()) { return false; }
-  Event contact = as_open(event);
+template <class News>
+bool WatchStateOf<News>::carry_over(const News& event, bool tells_containment) {
+  if (!is_carried(event)) { return false; }
+  const auto carried = carried_.find(place_of(event));
+  News contact = as_open(event);
   contact.began = carried->second.began;
-  const Event before = carried->second;
+  const News before = carried->second;
   carried_.erase(carried);
   hold(contact);
-  Event& held = held_.find(pair_of(contact))->second;
+  News& held = held_.find(pair_of(contact))->second;
   if (inner_name(before) == inner_name(contact)) { return true; }
   held.contained = before.a == held.a ? before.contained : turned_round(before.contained);
   if (tells_containment) { change_missed(held, contact, event.sequence); }
   return true;
 }
 
-void WatchState::emit_missed(const Event& contact, EventKind what, EndReason why, std::uint64_t sequence) {
-  Event missed = contact;
+template <class News>
+void WatchStateOf<News>::emit_missed(const News& contact, EventKind what, EndReason why, std::uint64_t sequence) {
+  News missed = contact;
   // One that lay within the other emerges before the contact ends, and comes to lie there after it has begun.
   const bool was_contained = contact.contained != Containment::none;
   if (what == EventKind::ended && was_contained) emit_missed(contact, EventKind::emerged, why, sequence);
@@ -327,7 +393,8 @@ void WatchState::emit_missed(const Event& contact, EventKind what, EndReason why
 // ---- state
 // ------------------------------------------------------------------------------------------------------------
 
-void WatchState::hear(const HeardShard& shard, Clock::time_point now) {
+template <class News>
+void WatchStateOf<News>::hear(const HeardShardOf<News>& shard, Clock::time_point now) {
   if (!is_current(shard.from, now) || shard.shard >= shards_.size() ||
       shard.as_of_sequence < shards_[shard.shard].as_of_sequence) {
     return;
@@ -336,7 +403,8 @@ void WatchState::hear(const HeardShard& shard, Clock::time_point now) {
   try_adopt();
 }
 
-void WatchState::hear(const HeardBookmark& bookmark, Clock::time_point now) {
+template <class News>
+void WatchStateOf<News>::hear(const HeardBookmark& bookmark, Clock::time_point now) {
   if (!is_current(bookmark.from, now)) { return; }
   bookmark_ = bookmark;
   if (told_to_.count() != 0 && bookmark.world_time > told_to_ + kToldAgain) {
@@ -361,7 +429,8 @@ void WatchState::hear(const HeardBookmark& bookmark, Clock::time_point now) {
   try_adopt();
 }
 
-void WatchState::try_adopt() {
+template <class News>
+void WatchStateOf<News>::try_adopt() {
   if (mode_ == Mode::in_step || !bookmark_ || !may_adopt() || !bookmark_vouches()) { return; }
   if (mode_ == Mode::starting) {
     adopt_first();
@@ -370,7 +439,8 @@ void WatchState::try_adopt() {
   }
 }
 
-bool WatchState::may_adopt() const {
+template <class News>
+bool WatchStateOf<News>::may_adopt() const {
   const std::uint64_t at = bookmark_->last_event_sequence;
   // Events after the bookmark must be known without a gap, since they are applied to its state.
   const bool tail_known =
@@ -383,16 +453,17 @@ bool WatchState::may_adopt() const {
 }
 
 // Whether the state that state_at() would build matches the bookmark.
-bool WatchState::bookmark_vouches() const {
+template <class News>
+bool WatchStateOf<News>::bookmark_vouches() const {
   std::uint64_t hash = 0;
   std::uint64_t count = 0;
   for (const Shard& shard : shards_) {
-    for (const Event& contact : shard.contacts) {
+    for (const News& contact : shard.contacts) {
       hash += hash_of(contact);
       ++count;
     }
   }
-  for (const HeardFrame::Entry& entry : recent_) {
+  for (const Entry& entry : recent_) {
     const std::uint64_t sequence = entry.event.sequence;
     if (sequence > bookmark_->last_event_sequence || entry.shard >= shards_.size() ||
         sequence <= shards_[entry.shard].as_of_sequence) {
@@ -409,12 +480,13 @@ bool WatchState::bookmark_vouches() const {
   return hash == bookmark_->contact_hash && count == bookmark_->contact_count;
 }
 
-WatchState::Contacts WatchState::state_at(std::uint64_t sequence) const {
+template <class News>
+auto WatchStateOf<News>::state_at(std::uint64_t sequence) const -> Contacts {
   Contacts state;
   for (const Shard& shard : shards_) {
-    for (const Event& contact : shard.contacts) { state.insert_or_assign(pair_of(contact), contact); }
+    for (const News& contact : shard.contacts) { state.insert_or_assign(pair_of(contact), contact); }
   }
-  for (const HeardFrame::Entry& entry : recent_) {
+  for (const Entry& entry : recent_) {
     if (entry.event.sequence > sequence || entry.shard >= shards_.size() ||
         entry.event.sequence <= shards_[entry.shard].as_of_sequence) {
       continue;
@@ -422,7 +494,7 @@ WatchState::Contacts WatchState::state_at(std::uint64_t sequence) const {
     if (entry.event.kind == EventKind::ended) {
       state.erase(pair_of(entry.event));
     } else if (entry.event.kind == EventKind::began) {
-      Event contact = as_open(entry.event);
+      News contact = as_open(entry.event);
       contact.began = start_of(entry.event);
       state.insert_or_assign(pair_of(entry.event), contact);
     } else if (is_change_of_containment(entry.event)) {
@@ -433,17 +505,18 @@ WatchState::Contacts WatchState::state_at(std::uint64_t sequence) const {
   return state;
 }
 
-void WatchState::adopt_first() {
+template <class News>
+void WatchStateOf<News>::adopt_first() {
   const std::uint64_t at = bookmark_->last_event_sequence;
   mode_ = Mode::in_step;
   joined_ = bookmark_->world_time;
-  for (const auto& [pair, contact] : state_at(at)) {
+  for (auto&& [pair, contact] : state_at(at)) {
     end_namesake(contact);
     hold(contact);
     emit_missed(contact, EventKind::open, EndReason::none, at);
   }
-  const std::deque<HeardFrame::Entry> recent = recent_;
-  for (const HeardFrame::Entry& entry : recent) {
+  const std::deque<Entry> recent = recent_;
+  for (const Entry& entry : recent) {
     if (entry.event.sequence > at) { apply(entry.event); }
   }
   if (applied_ < at) {
@@ -452,9 +525,10 @@ void WatchState::adopt_first() {
   }
 }
 
-void WatchState::adopt_differences() {
+template <class News>
+void WatchStateOf<News>::adopt_differences() {
   const std::uint64_t at = std::max(applied_, bookmark_->last_event_sequence);
-  const Contacts state = state_at(at);
+  Contacts state = state_at(at);
   for (auto held = held_.begin(); held != held_.end();) {
     const auto found = state.find(held->first);
     if (found != state.end() && found->second.episode == held->second.episode) {
@@ -462,12 +536,12 @@ void WatchState::adopt_differences() {
       ++held;
       continue;
     }
-    Event ended = held->second;
+    News ended = held->second;
     ended.world_time = bookmark_->world_time;
     emit_missed(ended, EventKind::ended, EndReason::none, at);
     held = release(held);
   }
-  for (const auto& [pair, contact] : state) {
+  for (auto& [pair, contact] : state) {
     if (!held_.contains(pair) && !carry_over(contact) && !has_ended_before(contact)) {
       end_namesake(contact);
       emit_missed(contact, EventKind::began, EndReason::none, at);
@@ -485,13 +559,17 @@ void WatchState::adopt_differences() {
   }
 }
 
-void WatchState::end_carried() {
-  const std::map<Names, Event> gone = std::exchange(carried_, {});
+template <class News>
+void WatchStateOf<News>::end_carried() {
+  const std::map<Names, News> gone = std::exchange(carried_, {});
   for (const auto& [names, contact] : gone) {
-    Event ended = contact;
+    News ended = contact;
     ended.world_time = bookmark_->world_time;
     emit_missed(ended, EventKind::ended, EndReason::server_restarted, applied_);
   }
 }
+
+template class WatchStateOf<Event>;
+template class WatchStateOf<StandingNews>;
 
 }  // namespace collided::client

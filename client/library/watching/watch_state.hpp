@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <deque>
@@ -13,13 +14,6 @@
 #include "client/library/connection/server_pulse.hpp"
 #include "collided/client.hpp"
 #include "idl/topics.hpp"
-
-namespace collided {
-
-/// What a watch hears of: contacts, or who is in which fence, which travels in the same messages on topics of its own.
-enum class WatchOf : std::uint8_t { contacts, fences };
-
-}  // namespace collided
 
 namespace collided::client {
 
@@ -45,28 +39,45 @@ struct LifeChange {
   std::uint64_t heard_from = 0;
 };
 
+/// By which what holds is known in every life of a server. Of contacts: the two names sorted, since the ids, and with them the
+/// order of the two, change when an object is defined anew.
+std::pair<std::string, std::string> names_of(const Event& event);
+/// The same of all that cannot hold at a time.
+inline auto place_of(const Event& event) { return names_of(event); }
+void take_names(const Event& from, Event& to);
+
 /// A frame of events, each of kind began or ended; on the topic of contacts that go on, persisted. Event i has the
-/// sequence number first_sequence + i.
-struct HeardFrame {
+/// sequence number first_sequence + i, but those that are joined have one together.
+template <class News>
+struct HeardFrameOf {
   ServerLife from;
   std::uint64_t first_sequence = 0;
   struct Entry {
-    Event event;
+    News event;
     std::uint8_t shard = 0;
+    bool joins_next = false;  // the next entry is a part of the same event; of standing questions
   };
   std::vector<Entry> entries;
   bool is_again = false;  // a server whose place the sender has taken may have told them
+
+  std::size_t event_count() const {
+    return static_cast<std::size_t>(std::ranges::count(entries, false, &Entry::joins_next));
+  }
 };
+using HeardFrame = HeardFrameOf<Event>;
 
 /// The contacts of one shard that held after event `as_of_sequence`, as events of kind `open`.
-struct HeardShard {
+template <class News>
+struct HeardShardOf {
   ServerLife from;
   std::uint8_t shard = 0;
   std::uint64_t as_of_sequence = 0;
-  std::vector<Event> contacts;
+  std::vector<News> contacts;
 };
+using HeardShard = HeardShardOf<Event>;
 
-/// The bookmark in a status: how many contacts hold after event `last_event_sequence`, and their hash.
+/// The bookmark in a status, or in the sum of standing questions: how many contacts hold after event `last_event_sequence`,
+/// and their hash.
 struct HeardBookmark {
   ServerLife from;
   std::uint64_t last_event_sequence = 0;
@@ -84,19 +95,23 @@ struct HeardBookmark {
 /// events together give a state whose count and hash match a bookmark; the differences to that state follow, marked
 /// `resync`.
 ///
+/// All of this applies to what holds of standing questions (StandingNews) as it does to contacts; only contacts may be
+/// contained.
+///
 /// threads  one at a time
 /// Always: for every pair of ids, and for every pair of names, it emits `began` (or `open`) and `ended` in turn, and
 /// between them `contained` and `emerged` in turn; an `open` may begin contained.
-class WatchState {
+template <class News>
+class WatchStateOf {
  public:
-  using Emit = std::function<void(const Event&)>;
-  explicit WatchState(Emit emit) : emit_(std::move(emit)) {}
+  using Emit = std::function<void(const News&)>;
+  explicit WatchStateOf(Emit emit) : emit_(std::move(emit)) {}
 
-  void hear(const HeardFrame& frame, Clock::time_point now);
-  void hear(const HeardShard& shard, Clock::time_point now);
+  void hear(const HeardFrameOf<News>& frame, Clock::time_point now);
+  void hear(const HeardShardOf<News>& shard, Clock::time_point now);
   void hear(const HeardBookmark& bookmark, Clock::time_point now);
   /// Takes contacts that go on, whose topic is not numbered. Those of contacts that were reported are emitted.
-  void hear_persisted(const HeardFrame& frame);
+  void hear_persisted(const HeardFrameOf<News>& frame);
 
   bool in_step() const { return mode_ == Mode::in_step; }
   /// Up to which event, of which epoch, everything has been emitted; nothing while it is not in step.
@@ -111,12 +126,14 @@ class WatchState {
 
  private:
   using Pair = std::pair<std::uint64_t, std::uint64_t>;
-  using Contacts = std::map<Pair, Event>;
-  using Names = std::pair<std::string, std::string>;
+  using Contacts = std::map<Pair, News>;
+  using Held = typename Contacts::iterator;
+  using Names = decltype(names_of(std::declval<const News&>()));
+  using Entry = typename HeardFrameOf<News>::Entry;
   enum class Mode { starting, in_step, doubtful };
   struct Shard {
     std::uint64_t as_of_sequence = 0;
-    std::vector<Event> contacts;
+    std::vector<News> contacts;
   };
 
   bool is_current(const ServerLife& from, Clock::time_point now);
@@ -130,27 +147,30 @@ class WatchState {
     std::chrono::nanoseconds time{0};  // happened() of it
     unsigned kinds = 0;                // bit by EventKind, of what was told at that time
   };
-  void note_told(const Event& event);
+  void note_told(const News& event);
   /// Whether the event was told in the life before: a server that takes another one's place tells again what its
   /// predecessor may not have told any more.
+  /// last      of its parts: the beginning of a crossing is as old as its end
   /// is_again  as of its frame; else only the very event is meant, which that server has worked out after it took the place
-  bool was_told(const Event& event, bool is_again) const;
-  bool has_ended_before(const Event& contact) const;
+  bool was_told(const News& event, const News& last, bool is_again) const;
+  bool has_ended_before(const News& contact) const;
 
-  void apply(const Event& event);
-  void apply_began(const Event& event);
-  void apply_ended(const Event& event);
-  void apply_containment(const Event& event);
-  Contacts::iterator begin_missed(const Event& event);
-  void change_missed(Event& held, const Event& news, std::uint64_t sequence);
-  void hold(const Event& contact);
-  Contacts::iterator release(Contacts::iterator held);
-  void end_namesake(const Event& event);
+  void apply(const News& event);
+  void apply_began(const News& event);
+  void apply_ended(const News& event);
+  void apply_containment(const News& event);
+  Held begin_missed(const News& event);
+  void change_missed(News& held, const News& news, std::uint64_t sequence);
+  void hold(const News& contact);
+  Held release(Held held);
+  /// Ends what cannot hold beside it.
+  void end_namesake(News& event);
+  bool is_carried(const News& event) const;
   /// Takes a contact from an earlier life of the server over into this one; false where none has these names.
   /// tells_containment  tells also what the event says of who lies within whom, as missed
-  bool carry_over(const Event& event, bool tells_containment = true);
-  void emit_missed(const Event& contact, EventKind what, EndReason why, std::uint64_t sequence);
-  void note(const HeardFrame::Entry& entry);
+  bool carry_over(const News& event, bool tells_containment = true);
+  void emit_missed(const News& contact, EventKind what, EndReason why, std::uint64_t sequence);
+  void note(const Entry& entry);
 
   void try_adopt();
   bool may_adopt() const;
@@ -169,20 +189,21 @@ class WatchState {
   std::optional<ServerLife> life_;
   Clock::time_point last_heard_;
 
-  std::uint64_t applied_ = 0;    // number of the newest event heard
-  std::uint64_t run_start_ = 0;  // events from here to applied_ came without a gap; 0: none has come yet
-  Contacts held_;                // contacts that were reported and have not ended
-  std::map<Names, Pair> held_by_names_;
-  std::map<Names, Event> carried_;       // reported in an earlier life of the server, not yet seen in this one
+  std::uint64_t applied_ = 0;            // number of the newest event heard
+  std::uint64_t run_start_ = 0;          // events from here to applied_ came without a gap; 0: none has come yet
+  Contacts held_;                        // contacts that were reported and have not ended
+  std::map<Names, Pair> held_by_place_;  // by place_of(), as carried_
+  std::map<Names, News> carried_;        // reported in an earlier life of the server, not yet seen in this one
   std::map<Names, Told> told_;           // in the life before; emptied once nothing of that time can come any more
   std::chrono::nanoseconds told_to_{0};  // the newest world time of that life; 0: there was none, or it is long over
   std::chrono::nanoseconds joined_{0};   // world time of the state that was adopted first
 
   std::array<Shard, wire_contract::kContactShards> shards_;
-  std::deque<HeardFrame::Entry> recent_;
+  std::deque<Entry> recent_;
   std::optional<HeardBookmark> bookmark_;
   std::optional<std::uint64_t> behind_at_;  // applied_ when a bookmark was first ahead of it
   bool stuck_ = false;  // at the next bookmark applied_ was still the same: the missing events will not come
 };
+using WatchState = WatchStateOf<Event>;
 
 }  // namespace collided::client

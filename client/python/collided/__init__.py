@@ -21,23 +21,21 @@ from ._explanations import (
     ExplainedApproach,
     ExplainedBody,
     ExplainedEvent,
-    ExplainedFence,
     ExplainedGap,
     ExplainedMeeting,
     ExplainedMiss,
-    ExplainedNearest,
     ExplainedNews,
+    ExplainedObject,
     ExplainedPair,
     ExplainedRay,
     ExplainedStale,
     ExplainedStanding,
 )
-from ._events import Event, FenceEvent, MarginEvent, NearestEvent
-from ._fences import FenceWatch, MarginWatch, NearestWatch
+from ._events import Event, StandingEvent
 from ._groups import Clearance, ClearancePair
 from ._library import version
 from ._publisher import Publisher, PublisherReport
-from ._recordings import RecordedFenceEvents, recorded_fence_events
+from ._recordings import RecordedStandingEvents, recorded_standing_events
 from ._shapes import (
     Box,
     Capsule,
@@ -53,6 +51,7 @@ from ._shapes import (
     Shape,
     Sphere,
 )
+from ._standing import StandingWatch
 from ._voxels import Voxels, VoxelScan
 from ._watch import Watch
 
@@ -77,37 +76,32 @@ __all__ = [
     "ExplainedApproach",
     "ExplainedBody",
     "ExplainedEvent",
-    "ExplainedFence",
     "ExplainedGap",
     "ExplainedMeeting",
     "ExplainedMiss",
-    "ExplainedNearest",
     "ExplainedNews",
+    "ExplainedObject",
     "ExplainedPair",
     "ExplainedRay",
     "ExplainedStale",
     "ExplainedStanding",
-    "FenceEvent",
-    "FenceWatch",
     "HalfSpace",
     "HeightField",
     "Hit",
     "Hull",
     "InternalError",
-    "MarginEvent",
-    "MarginWatch",
     "Mesh",
-    "NearestEvent",
-    "NearestWatch",
     "NoServer",
     "PairAnswer",
     "Polyline",
     "Publisher",
     "PublisherReport",
-    "RecordedFenceEvents",
+    "RecordedStandingEvents",
     "Refused",
     "Shape",
     "Sphere",
+    "StandingEvent",
+    "StandingWatch",
     "Status",
     "Timeout",
     "Undecided",
@@ -116,6 +110,6 @@ __all__ = [
     "Voxels",
     "Watch",
     "connect",
-    "recorded_fence_events",
+    "recorded_standing_events",
     "version",
 ]

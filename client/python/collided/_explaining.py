@@ -8,7 +8,7 @@ from typing import Any
 from . import _numbers
 from ._commands import Commanding
 from ._described import read
-from ._explanations import ExplainedEvent, ExplainedFence, ExplainedNearest, ExplainedPair, ExplainedRay
+from ._explanations import ExplainedEvent, ExplainedPair, ExplainedRay, ExplainedStanding
 from ._errors import BadInput
 from ._library import nanoseconds
 from ._numbers import Row
@@ -18,7 +18,7 @@ class Explaining(Commanding):
     """The calls of a Client that say why an answer is what it is."""
 
     def _explanation(self, timeout: float, deadline: float, arguments: dict[str, Any]) -> dict[str, Any]:
-        # Without a deadline the server looks on for as long as the call waits.
+        # Without a deadline the server goes on for nearly as long as the call waits.
         within = nanoseconds(deadline, "deadline") or nanoseconds(timeout, "timeout") * 9 // 10
         return self.command("explain", timeout=timeout, deadline_ns=within, **arguments)
 
@@ -39,8 +39,8 @@ class Explaining(Commanding):
     ) -> ExplainedRay:
         """Why does a ray meet what it meets, and not another object?
 
-        why_not  an object that is told of in any case
-        most     objects passed that are told"""
+        why_not  an object that is reported in any case
+        most     objects passed that are reported"""
         numbers = [*_numbers.vector(origin, 3, "origin"), *_numbers.vector(direction, 3, "direction")]
         if not all(map(math.isfinite, numbers)):
             raise BadInput(f"the ray is {numbers}, which are not all finite", "nothing was sent")
@@ -53,7 +53,7 @@ class Explaining(Commanding):
     def explain_pair(
         self, a: str, b: str, *, last: float = 0.0, as_of: str | int = "latest", deadline: float = 0.0, timeout: float = 10.0
     ) -> ExplainedPair:
-        """How do two objects stand to each other, how near did they come, and what keeps their contacts from being told?
+        """How do two objects stand to each other, how near did they come, and why are their contacts not reported?
 
         last  seconds: how far back their paths are looked at; 0: as far as the server remembers"""
         arguments: dict[str, Any] = {"a": a, "b": b, "as_of": _instant(as_of)}
@@ -63,30 +63,22 @@ class Explaining(Commanding):
         clearance = -answer["depth"] if answer["answer"] == "hit" else answer.get("distance", math.nan)
         return read(ExplainedPair, {"error": "inf", **answer, "clearance": clearance})
 
-    def explain_fence(
+    def explain_standing(
         self, name: str, *, why_not: str = "", most: int = 3, deadline: float = 0.0, timeout: float = 10.0
-    ) -> ExplainedFence:
-        """Who is in a fence and who is not, by how much and why?
+    ) -> ExplainedStanding:
+        """What does a region hold, or what is nearest; what comes next, and what is left out, by how much and why?
 
-        why_not  an object that is told of in any case
-        most     objects outside that are told"""
-        return read(ExplainedFence, self._explanation(timeout, deadline, {"fence": name, "why_not": why_not, "most": most}))
-
-    def explain_nearest(
-        self, name: str, *, why_not: str = "", most: int = 3, deadline: float = 0.0, timeout: float = 10.0
-    ) -> ExplainedNearest:
-        """What is nearest by a question that stays, what comes next, and what would be nearer but is left out?
-
-        why_not  an object that is told of in any case
-        most     others that are told"""
-        return read(ExplainedNearest, self._explanation(timeout, deadline, {"nearest": name, "why_not": why_not, "most": most}))
+        why_not  an object that is reported in any case
+        most     objects outside, or farther away, that are reported"""
+        arguments = {"standing": name, "why_not": why_not, "most": most}
+        return read(ExplainedStanding, self._explanation(timeout, deadline, arguments))
 
     def explain_event(
         self, sequence: int, *, of: str = "contacts", deadline: float = 0.0, timeout: float = 10.0
     ) -> ExplainedEvent:
-        """What is behind an event that was told? The server remembers the last 4,096 of contacts, and of fences.
+        """What is behind an event that was reported? The server remembers the last 4,096 of each kind.
 
-        of  "contacts", or "fences": of fences, margins and questions for the nearest, which are numbered together"""
+        of  "contacts", or "standing": of standing questions"""
         return read(ExplainedEvent, self._explanation(timeout, deadline, {"event": sequence, "of": of}))
 
 

@@ -1,4 +1,4 @@
-"""Why an answer is what it is: of a ray, of two objects, of a fence, of an event."""
+"""Why an answer is what it is: of a ray, of two objects, of a standing question, of an event."""
 
 from __future__ import annotations
 
@@ -97,13 +97,13 @@ class ExplainedApproach:
 
 @dataclass(frozen=True)
 class ExplainedPair:
-    """How two objects stand to each other, and why no contact of them is told. As a truth value it is its verdict's."""
+    """How two objects stand to each other, and why no contact of them is reported. As a truth value it is its verdict's."""
 
     verdict: Annotated[Verdict, "answer"]
     clearance: float  #: the distance, or minus the depth; |truth - clearance| <= error; of no meaning where undecided
     error: float
     stale: bool  #: one of the two may be elsewhere
-    why_not: tuple[str, ...]  #: what keeps contacts of the two from being told, a sentence each
+    why_not: tuple[str, ...]  #: what keeps contacts of the two from being reported, a sentence each
     attached: str  #: the one that moves along with the other; empty: neither
     nearest: ExplainedApproach | None
     no_nearest: str  #: why there is none
@@ -114,27 +114,29 @@ class ExplainedPair:
 
 
 @dataclass(frozen=True)
-class ExplainedStanding:
-    """How an object stands to a fence. Metres; |truth - clearance| <= error."""
+class ExplainedObject:
+    """How an object stands to a region, or to what a question for the nearest is about. Metres; |truth - clearance| <= error."""
 
     object: str
-    verdict: Annotated[Verdict, "answer"]  #: HIT: it is in, by where both are now
-    clearance: float  #: the distance, or minus the depth; infinite: it was not looked at
+    verdict: Annotated[Verdict, "answer"]  #: HIT: it is in, or touches, by where both are now
+    clearance: float  #: the distance, or in a region minus the depth; infinite: it was not looked at
     error: float
+    on_other: Vector | None  #: the nearest points of two that are apart: of the region or the other object,
+    on_object: Vector | None  #: and of this one
     stale: bool  #: its publisher is lost, and it may be elsewhere
-    told: bool  #: it was told that it is in, as far as both publishers have said where they are
-    since_ns: int | None
-    episode: int  #: of told: the sequence of its coming in
-    doubt: str
-    why_left_out: Annotated[str, "why"]  #: empty: the fence looks at it
+    why_left_out: Annotated[str, "why"]  #: empty: the question looks at it
+    reported: bool  #: an event has reported that it is in, or the nearest
+    since_ns: int | None  #: of reported: since when
+    episode: int  #: of reported: the sequence of that event
+    doubt: str  #: of reported: why it was, although that is not known
 
 
 @dataclass(frozen=True)
 class ExplainedNews:
-    """An event of a fence that is remembered."""
+    """An event of a standing question that is remembered."""
 
     sequence: int
-    what: str  #: enter, exit
+    what: str  #: enter, exit; nearest, no longer nearest
     object: str
     why: str
     doubt: str
@@ -143,52 +145,30 @@ class ExplainedNews:
 
 
 @dataclass(frozen=True)
-class ExplainedFence:
-    """Who is in a fence, who is not, by how much and why."""
+class ExplainedStanding:
+    """A region or a question for the nearest. Of the nearest, clearances are distances to what the question is about."""
 
-    fence: str
-    kind: str
-    to: str
+    name: str
+    form: str  #: region or nearest
     only: str
     skip: str
     mask: int
-    tells: tuple[str, ...]
     keep: bool
-    placed: bool  #: False: the object that it is fixed to is not there, so it looks at nothing
+    kind: str  #: of a region: what its shape is
+    to: str  #: the object that a region moves along with, or that the distances are to; empty: none
+    detect: tuple[str, ...]  #: of a region: which of enter, exit and cross it reports
+    point: Vector | None  #: of the nearest, in place of `to`
+    within: float  #: of the nearest: objects farther away do not count
+    hysteresis: float  #: of the nearest
+    placed: bool  #: False: the object `to` is not there, so the question looks at nothing
     looked_at: int  #: objects
-    inside: tuple[ExplainedStanding, ...]  #: of which it was told that they are in, the deepest first
-    outside: tuple[ExplainedStanding, ...]  #: the nearest others that it looks at
-    left_out: tuple[ExplainedStanding, ...]  #: moving objects in it that it does not look at
-    asked_for: ExplainedStanding | None
-    events: tuple[ExplainedNews, ...]
-    late: bool
-    world_time_ns: Annotated[int, "time_ns"]
-    version: int
-
-
-@dataclass(frozen=True)
-class ExplainedNearest:
-    """What is nearest by a question that stays, what comes next, and what would be nearer but is left out. The clearances
-    of standings are distances to what it is about, and HIT is one that touches."""
-
-    nearest: str  #: name of the question
-    to: str  #: the object that distances are to; empty: a point
-    point: Vector | None
-    only: str
-    skip: str
-    mask: int
-    within: float
-    hysteresis: float
-    keep: bool
-    placed: bool  #: False: `to` is not there, so it looks at nothing
-    looked_at: int  #: objects
-    answer: Annotated[ExplainedStanding | None, "is", 0]  #: the nearest, as it was told
-    others: tuple[ExplainedStanding, ...]  #: nearest first, also beyond `within`
-    left_out: tuple[ExplainedStanding, ...]  #: nearer than the nearest, and not looked at
-    asked_for: ExplainedStanding | None
-    events: tuple[ExplainedNews, ...]  #: nearest, no longer nearest
-    cut_short: int  #: searches that ended at their limit: who came and went then may not have been told
-    late: bool
+    holds: tuple[ExplainedObject, ...]  #: what was reported: in the region, the deepest first; or the nearest
+    others: tuple[ExplainedObject, ...]  #: the nearest others that it looks at, also beyond `within`
+    left_out: tuple[ExplainedObject, ...]  #: in the region or nearer than the nearest, and not looked at
+    asked_for: ExplainedObject | None
+    events: tuple[ExplainedNews, ...]  #: the last that are remembered
+    cut_short: int  #: of the nearest: searches cut short at their limit, in which a change may not have been reported
+    late: bool  #: the deadline was over: some objects were not looked at
     world_time_ns: Annotated[int, "time_ns"]
     version: int
 
@@ -224,17 +204,17 @@ class ExplainedGap:
 
 @dataclass(frozen=True)
 class ExplainedEvent:
-    """What is behind an event that was told."""
+    """What is behind an event that was reported."""
 
     sequence: int
-    of: str  #: contacts or fences
-    what: str
+    of: str  #: contacts or standing
+    what: str  #: began, ended, ...; of standing questions enter, exit, nearest, no longer nearest
     why: str
     doubt: str
     a: str
     b: str
-    margin: str
-    within: str  #: of a margin: the band, in metres
+    margin: str  #: of bands: the question's name, and `b` is the object that has the band
+    within: str  #: of bands: the band, in metres
     low_ns: int  #: it happened between these two
     high_ns: int
     why_wide: tuple[str, ...]  #: why these two are so far apart, a sentence each

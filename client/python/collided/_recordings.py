@@ -1,53 +1,37 @@
-"""What a recording tells; no server is needed."""
+"""The events that a recording holds; no server is needed."""
 
 from __future__ import annotations
 
 import ctypes
 import os
 from dataclasses import dataclass
-from typing import Any, Callable, TypeVar, cast
+from typing import cast
 
 from ._errors import BadInput
-from ._events import FenceEvent, MarginEvent, NearestEvent, read_fence_event, read_margin_event, read_nearest_event
+from ._events import StandingEvent, read_standing_event
 from ._library import call, encoded, library
-from ._structs import (
-    SINCE_1970,
-    SINCE_BEGIN,
-    SINCE_END,
-    SINCE_NONE,
-    CFenceEvent,
-    CMarginEvent,
-    CNearestEvent,
-    CRecordedAbout,
-    CRecordedOptions,
-)
+from ._structs import SINCE_1970, SINCE_BEGIN, SINCE_END, SINCE_NONE, CRecordedAbout, CRecordedOptions, CStandingEvent
 
 _SINCE = {"1970": SINCE_1970, "begin": SINCE_BEGIN, "end": SINCE_END}
 
 
 @dataclass(frozen=True)
-class RecordedFenceEvents:
-    """The events of a recording's fences, margins and questions for the nearest."""
+class RecordedStandingEvents:
+    """The events of a recording's standing questions."""
 
-    fences: list[FenceEvent]
-    margins: list[MarginEvent]
-    nearest: list[NearestEvent]
+    events: list[StandingEvent]
     begin_ns: int  #: of the recording, since 1970
     end_ns: int
-    lost: int  #: events of all three that are known to be missing
+    lost: int  #: events that are known to be missing
     warnings: list[str]  #: damage of the file, events that are lost, stays of unknown age
 
 
-News = TypeVar("News", FenceEvent, MarginEvent, NearestEvent)
-
-
-def _events(recorded: ctypes.c_void_p, count: int, kind: str, struct: type[Any], read: Callable[[Any], News]) -> list[News]:
-    event = struct(size=ctypes.sizeof(struct))
-    take = getattr(library, f"collided_recorded_{kind}_event")
+def _events(recorded: ctypes.c_void_p, count: int) -> list[StandingEvent]:
+    event = CStandingEvent(size=ctypes.sizeof(CStandingEvent))
     events = []
     for number in range(count):
-        take(recorded, number, ctypes.byref(event))
-        events.append(read(event))
+        library.collided_recorded_standing_event(recorded, number, ctypes.byref(event))
+        events.append(read_standing_event(event))
     return events
 
 
@@ -57,7 +41,7 @@ def _since(word: str, time_ns: int | None) -> int:
     return SINCE_NONE if time_ns is None else _SINCE[word]
 
 
-def recorded_fence_events(
+def recorded_standing_events(
     path: str | os.PathLike[str],
     *,
     only: str = "",
@@ -65,10 +49,10 @@ def recorded_fence_events(
     from_ns: int | None = None,
     to_ns: int | None = None,
     since: str = "1970",
-) -> RecordedFenceEvents:
-    """Reads what fences, margins and questions for the nearest told in a recording, as their watches had it.
+) -> RecordedStandingEvents:
+    """Reads what standing questions reported in a recording, as a watch reported it, in the order of the events' numbers.
 
-    only, skip  globs, as those of the watches
+    only, skip  globs, as those of Client.watch_standing
     from_ns     what held then comes first, as "inside", "within" and "is"; None: from the recording's begin
     to_ns       included; None: to its end
     since       what both count from: "1970", or the recording's "begin" or "end" (then mostly negative)
@@ -83,19 +67,17 @@ def recorded_fence_events(
         skip=encoded(skip, "skip"),
     )
     recorded = ctypes.c_void_p()
-    call("read_recorded_fences", encoded(os.fspath(path), "the path"), ctypes.byref(options), ctypes.byref(recorded))
+    call("read_recorded_standing", encoded(os.fspath(path), "the path"), ctypes.byref(options), ctypes.byref(recorded))
     try:
         about = CRecordedAbout(size=ctypes.sizeof(CRecordedAbout))
-        library.collided_about_recorded_fences(recorded, ctypes.byref(about))
+        library.collided_about_recorded_standing(recorded, ctypes.byref(about))
         warnings = [cast(bytes, library.collided_recorded_warning(recorded, i)) for i in range(about.warnings)]
-        return RecordedFenceEvents(
-            _events(recorded, about.fences, "fence", CFenceEvent, read_fence_event),
-            _events(recorded, about.margins, "margin", CMarginEvent, read_margin_event),
-            _events(recorded, about.nearest, "nearest", CNearestEvent, read_nearest_event),
+        return RecordedStandingEvents(
+            _events(recorded, about.events),
             about.begin_ns,
             about.end_ns,
             about.lost,
             [warning.decode("utf-8", "replace") for warning in warnings],
         )
     finally:
-        library.collided_free_recorded_fences(recorded)
+        library.collided_free_recorded_standing(recorded)

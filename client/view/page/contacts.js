@@ -80,11 +80,11 @@ class Marks {
   }
 
   /// Places everything for a picture; returns whether some of it is animated. size: the picture's, in pixels of the screen.
-  place(contacts, fences, world, camera, [width, height], isShown, now) {
+  place(contacts, standing, world, camera, [width, height], isShown, now) {
     this.count = 0;
     this.texts = [];
     this.anchor = world.anchor;
-    this.placeFences(fences, world);
+    this.placeStanding(standing, world);
     const clusters = new Map();
     this.places = [];
     let isFlashing = false;
@@ -117,7 +117,7 @@ class Marks {
 
   /// A region of the picture (world.js) grown so that it holds all marks; null where they may be anywhere.
   region(region, camera, width, height) {
-    if (!region || this.rays.length > 0 || this.others.length > 0 || this.line || this.nearest || this.asked || this.preview.length > 0 || this.areFencesElsewhere) return null;
+    if (!region || this.rays.length > 0 || this.others.length > 0 || this.line || this.nearest || this.asked || this.preview.length > 0 || this.areStandingElsewhere) return null;
     const reach_px = 30;
     for (const [x, y] of this.places) extendRegion(region, (x + 1) / 2, (y + 1) / 2, reach_px / width, reach_px / height);
     return region;
@@ -147,12 +147,12 @@ class Marks {
     if (depth_px > 4 && Number.isFinite(depth_px)) this.put(subtract(point, scale(normal, depth / 2)), add(point, scale(normal, depth / 2)), 3, 0, 0.8, 0);
   }
 
-  /// One that something is in is lit.
-  placeFences(fences, world) {
-    this.areFencesElsewhere = fences.areElsewhere();
-    fences.forEachPiece(world, (from, to, { isEntered, within }) => {
-      if (isEntered) this.put(from, to, 2, 0, 1, 1);
-      else this.put(from, to, 1.2, 0, within === undefined ? 0.6 : 0.3, 0);
+  /// One that holds something is lit.
+  placeStanding(standing, world) {
+    this.areStandingElsewhere = standing.areElsewhere();
+    standing.forEachPiece(world, (from, to, { isHeld, form }) => {
+      if (isHeld) this.put(from, to, 2, 0, 1, 1);
+      else this.put(from, to, 1.2, 0, form === "bands" ? 0.3 : 0.6, 0);
     });
   }
 

@@ -10,7 +10,7 @@ class History {
     this.frames = [];   // {t, value}: poses of all that moves
     this.tables = [];   // {t, value}
     this.changes = [];  // {t, kind, value}: contacts and events, in order
-    this.fences = [];   // {t, value}
+    this.standing = []; // {t, value}
     this.others = [];   // {t, kind, value}: status and the like, the newest of each kind holds
     this.base = new Contacts();  // before the first change
     this.bytes = 0;
@@ -25,7 +25,7 @@ class History {
       this.frames.push({ t, value });
       this.bytes += value.numbers.buffer.byteLength;
     } else if (kind === "table") this.tables.push({ t, value });
-    else if (kind === "fences") this.fences.push({ t, value });
+    else if (kind === "standing") this.standing.push({ t, value });
     else if (kind === "contacts" || kind === "events") this.changes.push({ t, kind, value });
     else this.others.push({ t, kind, value });
     if (this.end - this.trimmedAt > 1 || this.bytes > this.mostBytes) this.trim();
@@ -43,14 +43,14 @@ class History {
     const begin = this.frames.length ? this.begin : this.end - this.most_s;
     this.tables.splice(0, Math.max(0, firstAfter(this.tables, begin) - 1));
     this.others.splice(0, Math.max(0, firstAfter(this.others, begin) - 1));
-    this.fences.splice(0, Math.max(0, firstAfter(this.fences, begin) - 1));
+    this.standing.splice(0, Math.max(0, firstAfter(this.standing, begin) - 1));
     for (const change of this.changes.splice(0, firstAfter(this.changes, begin))) applyChange(this.base, change);
   }
 
   /// What holds at an instant; null before the first.
   frameAt(t) { return this.frames[firstAfter(this.frames, t) - 1] || null; }
   tableAt(t) { return this.tables[firstAfter(this.tables, t) - 1] || null; }
-  fencesAt(t) { return this.fences[firstAfter(this.fences, t) - 1]?.value ?? null; }
+  standingAt(t) { return this.standing[firstAfter(this.standing, t) - 1]?.value ?? null; }
   statusAt(t) {
     for (let i = firstAfter(this.others, t) - 1; i >= 0; --i) if (this.others[i].kind === "status") return this.others[i].value;
     return null;

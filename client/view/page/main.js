@@ -5,7 +5,7 @@ class Page {
   constructor() {
     this.camera = new Camera();
     this.contacts = new Contacts();
-    this.fences = new Fences();
+    this.standing = new Standing();
     this.flashes = [];        // when each new contact was first drawn, for measurements
     this.chosen = this.hovered = this.followed = null;
     this.picture = new Picture(byId("scene"), byId("overlay"), { failed: (error) => this.showDrawing(error) });
@@ -66,7 +66,7 @@ class Page {
     this.selected.contactsOf = (name) => this.contacts.of(name);
     byId("color").addEventListener("input", () => this.colorObjects());
     byId("labels").addEventListener("click", () => this.toggleLabels());
-    this.fenceList = new FenceList({ frame: (fence) => this.frameFence(fence) });
+    this.standingList = new StandingList({ frame: (row) => this.frameStanding(row) });
     this.events = new EventList({ goTo: (t, event) => this.timeline.goToEvent(t, event) });
   }
 
@@ -150,8 +150,8 @@ class Page {
     } else if (kind === "connected") {
       if (!value) this.panels.showState("the viewer is gone; looking for it", true);
     } else if (kind === "status") this.hearStatus(value);
-    else if (kind === "fences") {
-      this.fences.set(value.fences);
+    else if (kind === "standing") {
+      this.standing.set(value.standing);
       this.changed();
     } else if (kind === "silent") this.panels.showState(`no server answers, for ${durationText(value.seconds)}`, true);
     else if (kind === "answer") this.hearAnswer(value);
@@ -255,7 +255,7 @@ class Page {
     this.others.tick(now, this.timeline.isLive);
     if (this.pendingPoses) this.applyPoses();
     const isDrawn = this.picture.draw(now, {
-      world: this.world, camera: this.camera, contacts: this.contacts, fences: this.fences,
+      world: this.world, camera: this.camera, contacts: this.contacts, standing: this.standing,
       isShown: ({ a_slot, b_slot }) => !this.world.hasState(a_slot, kHidden) && !this.world.hasState(b_slot, kHidden),
       labelled: () => this.labelled(),
     });
@@ -292,7 +292,7 @@ class Page {
     const now = performance.now();
     this.events.show(this.timeline);
     this.panels.showPublishers(this.timeline.isLive ? now : null);
-    this.fenceList.show(this.fences);
+    this.standingList.show(this.standing);
     this.matrix.show(this.contacts, now);
     this.things.showRows();
     this.openShells(now);
@@ -416,8 +416,8 @@ class Page {
     this.camera.isTouched = true;
     this.changed();
   }
-  frameFence(fence) {
-    const bounds = this.fences.bounds(fence, this.world);
+  frameStanding(row) {
+    const bounds = this.standing.bounds(row, this.world);
     if (bounds.isEmpty()) return;
     this.camera.target = bounds.center();
     this.camera.distance = Math.max(1e-3, 3 * bounds.radius());

@@ -25,14 +25,14 @@ class Picture {
 
   size() { return [this.canvas.clientWidth, Math.max(1, this.canvas.clientHeight)]; }
 
-  /// Draws if there is something new; returns whether it did. shown: {world, camera, contacts, fences, isShown(pair),
+  /// Draws if there is something new; returns whether it did. shown: {world, camera, contacts, standing, isShown(pair),
   /// labelled()}.
-  draw(now, { world, camera, contacts, fences, isShown, labelled }) {
+  draw(now, { world, camera, contacts, standing, isShown, labelled }) {
     if (this.hasDrawn) this.note(now - this.calledAt);
     this.calledAt = now;
     this.hasDrawn = false;
     if (!this.renderer) return false;
-    const isAnimated = this.marks.place(contacts, fences, world, camera, this.size(), isShown, now);
+    const isAnimated = this.marks.place(contacts, standing, world, camera, this.size(), isShown, now);
     const isNew = this.isDirty || isAnimated || this.marks.count !== this.marksBefore || world.statesChanged;
     if (isNew) this.movedAt = now;
     const isSharper = !isNew && this.wantsSharper(now);

@@ -103,11 +103,11 @@ class RecordedRun {
     this.isOpening = this.openingLeft-- > 0;
     if (type === "Query" && !isCommand(type, view)) return;
     if (type === "Reply" && (codeOf(view) === null || !this.waiting.has(requestOf(view)))) return;
-    const hearing = { Definition: this.define, PoseBatch: this.pose, Query: this.command, Reply: this.answer, EventFrame: this.happen, ContactShard: this.hold, Status: this.state, "collided.Fences": this.fence }[type];
-    if (!hearing || (type === "Status" && /step|fence/.test(topic)) || (type === "EventFrame" && /persisted|fence/.test(topic)) || (type === "ContactShard" && /fence/.test(topic))) return;
+    const hearing = { Definition: this.define, PoseBatch: this.pose, Query: this.command, Reply: this.answer, EventFrame: this.happen, ContactShard: this.hold, Status: this.state, "collided.Standing": this.stand }[type];
+    if (!hearing || (type === "Status" && /step/.test(topic)) || (type === "EventFrame" && /persisted/.test(topic))) return;
     if (t - this.frameAt >= this.every_s) this.flush(t);
     try {
-      hearing.call(this, type === "collided.Fences" ? jsonOf(view) : readSample(type, view), t);
+      hearing.call(this, type === "collided.Standing" ? jsonOf(view) : readSample(type, view), t);
     } catch {
       ++this.broken;  // bytes of another version, or damaged ones
     }
@@ -289,7 +289,7 @@ class RecordedRun {
     } });
   }
 
-  fence(told, t) { this.entries.push({ t, kind: "fences", value: told }); }
+  stand(rows, t) { this.entries.push({ t, kind: "standing", value: rows }); }
 
   // ---- what the page hears of it
 

@@ -27,13 +27,13 @@ class Timeline {
   /// t: when it was heard; for what comes live, now.
   hear(kind, value, t = this.now()) {
     const history = this.closed?.history ?? this.history;
-    const isKept = ["poses", "table", "contacts", "events", "status", "fences"].includes(kind);
+    const isKept = ["poses", "table", "contacts", "events", "status", "standing"].includes(kind);
     if (isKept) history.add(t, kind, value);
     // While a recording is open, slots and names mean its objects, not the server's.
     if (this.closed && !["hello", "connected"].includes(kind) && value.ask !== "memory") return;
     if (!this.isLive && (isKept || kind === "silent")) return;
     if (kind === "table") this.shownTable = value;
-    if (kind === "fences") this.shownFences = value;
+    if (kind === "standing") this.shownStanding = value;
     if (kind === "contacts") this.show.contacts(this.history.contactsAt(t));
     else if (kind === "events") this.show.events(value.events);
     else if (kind === "table" || kind === "poses") this.show[kind](value);
@@ -120,9 +120,9 @@ class Timeline {
         else this.show.contacts(this.history.contactsAt(t));
       }
     } else this.show.contacts(this.history.contactsAt(t));
-    const fences = this.history.fencesAt(t);
-    if (fences !== this.shownFences) this.show.message("fences", fences ?? { fences: [] });
-    this.shownFences = fences;
+    const standing = this.history.standingAt(t);
+    if (standing !== this.shownStanding) this.show.message("standing", standing ?? { standing: [] });
+    this.shownStanding = standing;
     const status = this.history.statusAt(t);
     if (status && status !== this.shownStatus) this.show.message("status", status);
     this.shownStatus = status;

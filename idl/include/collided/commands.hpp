@@ -175,11 +175,17 @@ struct PlannedPair {
   std::string a, b;  // kinds of shapes
   std::string how;   // or that the pair is not supported
 };
+/// An optional part that this server was built with.
+struct Wing {
+  std::string name;     // fleet, authority, keys, flight recorder
+  bool in_use = false;  // its options, or other servers, ask for it
+};
 /// The answer of Client::plan.
 struct Plan {
   std::vector<PlannedStructure> structures;
   std::vector<PlannedPair> pairs;
   std::uint64_t bytes = 0;  // of memory for all scenes
+  std::vector<Wing> wings;
 };
 
 }  // namespace collided

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include <collided/geometry.hpp>
+#include <collided/listed_standing.hpp>
 #include <collided/pair.hpp>
 #include <collided/questions.hpp>
 
@@ -124,89 +125,57 @@ struct ExplainedPair {
   std::string no_nearest = {};  // why there is none
 };
 
-// ---- a fence -------------------------------------------------------------------------------------------------------
+// ---- a standing question ------------------------------------------------------------------------------------------
 
-/// How an object stands to a fence.
-struct ExplainedStanding {
+/// How an object stands to a region, or to what a question for the nearest is about.
+struct ExplainedObject {
   std::string object = {};
-  /// Where both are now: hit: it is in; miss: out. It may differ from `told`, which is as far as both publishers have said
-  /// where they are.
+  /// Where both are now: hit: it is in, or touches; miss: they are apart. It may differ from `reported`, which is as far as
+  /// all publishers have said where their objects are.
   Verdict verdict = Verdict::miss;
-  double clearance_m =
-      0;  // out: the distance; in: minus the depth; |truth - clearance_m| <= error_m. Infinite: not looked at
+  /// Apart: the distance; in a region: minus the depth. |truth - clearance_m| <= error_m. Infinite: not looked at.
+  double clearance_m = 0;
   double error_m = 0;
-  std::optional<Vec3> on_fence = {};  // the nearest points of two that are apart
-  std::optional<Vec3> on_object = {};
-  bool stale = false;                                  // its publisher is lost, and it may be elsewhere
-  bool told = false;                                   // it was told that it is in
-  std::optional<std::chrono::nanoseconds> since = {};  // of told: when it came in
-  std::uint64_t episode = 0;                           // of told: the sequence of its coming in
-  std::string doubt = {};                              // of told: why it is told although that is not known
-  std::string why_left_out = {};                       // empty: the fence looks at it
+  std::optional<Vec3> on_other = {};   // the nearest points of two that are apart: of the region or the other object,
+  std::optional<Vec3> on_object = {};  // and of this one
+  bool stale = false;                  // its publisher is lost, and it may be elsewhere
+  bool reported = false;               // an event has reported that it is in, or the nearest
+  std::optional<std::chrono::nanoseconds> since = {};  // of reported: since when
+  std::uint64_t episode = 0;                           // of reported: the sequence of that event
+  std::string doubt = {};                              // of reported: why it was, although that is not known
+  std::string why_left_out = {};                       // empty: the question looks at it
 };
 
-/// An event of the fence that is remembered.
+/// An event of the question that is remembered.
 struct ExplainedNews {
   std::uint64_t sequence = 0;
-  std::string what = {};  // enter, exit
+  std::string what = {};  // enter, exit; nearest, no longer nearest
   std::string object = {};
-  std::string why = {};    // of exit: separated, removed, ...
+  std::string why = {};    // of an end: separated, removed, ...
   std::string doubt = {};  // empty: none
   std::chrono::nanoseconds low{0};
   std::chrono::nanoseconds high{0};
 };
 
-struct ExplainedFence {
-  std::string fence = {};
-  std::string kind = {};
-  std::string to = {};    // the object that it is fixed to; empty: the world
-  std::string only = {};  // what it looks at, as in Fence
-  std::string skip = {};
-  std::uint32_t mask = 0xffffffff;
-  std::vector<std::string> tells = {};  // enter, exit, cross
-  bool keep = false;
-  bool placed = true;           // false: the object that it is fixed to is not there, so it looks at nothing
-  std::uint64_t looked_at = 0;  // objects
-  std::vector<ExplainedStanding> inside = {};    // of which it was told that they are in, the deepest first
-  std::vector<ExplainedStanding> outside = {};   // the nearest others that it looks at
-  std::vector<ExplainedStanding> left_out = {};  // moving objects in it that it does not look at
-  std::optional<ExplainedStanding> asked_for = {};
+/// A region or a question for the nearest. Of the nearest, clearances are distances to what the question is about.
+struct ExplainedStanding : DefinedStanding {
+  bool placed = true;                          // false: the object `to` is not there, so the question looks at nothing
+  std::uint64_t looked_at = 0;                 // objects
+  std::vector<ExplainedObject> holds = {};     // what was reported: in the region, the deepest first; or the nearest
+  std::vector<ExplainedObject> others = {};    // the nearest others that it looks at, also beyond within_m
+  std::vector<ExplainedObject> left_out = {};  // in the region or nearer than the nearest, and not looked at
+  std::optional<ExplainedObject> asked_for = {};
   std::vector<ExplainedNews> events = {};  // the last that are remembered
+  std::uint64_t cut_short = 0;             // as in ListedStanding
   bool late = false;                       // the deadline was over: some were not looked at
-  std::chrono::nanoseconds world_time{0};
-  std::uint64_t version = 0;
-};
-
-// ---- the nearest ---------------------------------------------------------------------------------------------------
-
-/// Of a question for the nearest. Of its standings a hit is one that touches, and clearances are distances to what it is about.
-struct ExplainedNearest {
-  std::string nearest = {};  // name of the question
-  std::string to = {};       // the object that distances are to; empty: `point`
-  std::optional<Vec3> point = {};
-  std::string only = {};  // what it looks at, as in NearestQuestion
-  std::string skip = {};
-  std::uint32_t mask = 0xffffffff;
-  double within_m = 0;
-  double hysteresis_m = 0;
-  bool keep = false;
-  bool placed = true;                            // false: `to` is not there, so it looks at nothing
-  std::uint64_t looked_at = 0;                   // objects
-  std::optional<ExplainedStanding> is = {};      // the nearest, as it was told
-  std::vector<ExplainedStanding> others = {};    // nearest first, also beyond within_m
-  std::vector<ExplainedStanding> left_out = {};  // nearer than the nearest, and not looked at
-  std::optional<ExplainedStanding> asked_for = {};
-  std::vector<ExplainedNews> events = {};  // nearest, no longer nearest
-  std::uint64_t cut_short = 0;             // as in ListedNearest
-  bool late = false;
   std::chrono::nanoseconds world_time{0};
   std::uint64_t version = 0;
 };
 
 // ---- an event ------------------------------------------------------------------------------------------------------
 
-/// contacts: of Client::watch. fences: of fences, margins and questions for the nearest, which are numbered together
-enum class EventsOf { contacts, fences };
+/// contacts: of Client::watch. standing: of standing questions
+enum class EventsOf { contacts, standing };
 
 /// One of the two of an event, at the time by which it had happened.
 struct ExplainedBody {
@@ -231,12 +200,12 @@ struct ExplainedGap {
 struct ExplainedEvent {
   std::uint64_t sequence = 0;
   EventsOf of = EventsOf::contacts;
-  std::string what = {};   // began, ended, ...; of fences enter, exit, nearest, no longer nearest
+  std::string what = {};   // began, ended, ...; of standing questions enter, exit, nearest, no longer nearest
   std::string why = {};    // of an end: separated, removed, ...
   std::string doubt = {};  // empty: none
   std::string a = {};
   std::string b = {};
-  std::string margin = {};                 // of a margin's band: its name, and `b` is the object that has the band
+  std::string margin = {};                 // of bands: the question's name, and `b` is the object that has the band
   std::string within = {};                 // and the band, in metres
   std::uint32_t a_triangle = kNoTriangle;  // as in Event, and so are the next six
   std::uint32_t b_triangle = kNoTriangle;

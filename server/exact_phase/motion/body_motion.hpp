@@ -2,6 +2,7 @@
 
 #include <type_traits>
 
+#include "server/geometry/common_origin.hpp"
 #include "server/geometry/placing_error.hpp"
 #include "server/geometry/pose.hpp"
 
@@ -66,5 +67,15 @@ struct BodyMotion {
   };
   PointVelocity velocity(const Vec3& point, double t, double motion_s, double slack_s) const;
 };
+
+/// The same motion in coordinates that count from the origin (common_origin.hpp), without a given pose.
+inline BodyMotion seen_from(const Vec3& origin, const BodyMotion& motion) {
+  BodyMotion seen = motion;
+  seen.from = seen_from(origin, motion.from);
+  seen.to = seen_from(origin, motion.to);
+  if (motion.pivot_m > 0) seen.travel = place(seen.to, seen.pivot) - place(seen.from, seen.pivot);
+  seen.given = nullptr;
+  return seen;
+}
 
 }  // namespace collided::engine

@@ -17,7 +17,8 @@ namespace collided::engine {
 namespace {
 
 constexpr double kApart = std::numeric_limits<double>::infinity();
-/// Of coordinates and sizes: by so much less than nothing a margin may be found where the two just touch.
+/// A margin may come out this much below 0 where the two just touch, relative to their coordinates and sizes. The
+/// coordinates count from a common origin (common_origin.hpp): a billion metres out this would else be a metre.
 constexpr double kResolution = 0x1p-30;
 constexpr double kHopeless = std::numeric_limits<double>::max();
 
@@ -90,9 +91,10 @@ struct SharedPoint {
   Vec3 point = Vec3::Zero();
   double margin_m = 0;
 
-  SharedPoint(const ConvexPart& a, const ConvexPart& b, const Contact* known) {
+  /// known_off_m  how much less than they are the margins may come out at a known point
+  SharedPoint(const ConvexPart& a, const ConvexPart& b, const Vec3* known, double known_off_m) {
     if (known != nullptr) {
-      point = known->point;
+      point = *known;
     } else if (overlaps(a, b).yes()) {
       point = contact(a, b).point;
     } else {
@@ -104,7 +106,7 @@ struct SharedPoint {
       if (std::holds_alternative<Triangle>(*part)) point = nearest_of(point, *part);
     }
     margin_m = margin_about(point, a) + margin_about(point, b);
-    go_inside(a, b);
+    if (known == nullptr || !(margin_m + known_off_m > 0)) go_inside(a, b);
   }
 
  private:
@@ -278,8 +280,8 @@ double shortfall_between(const PartOnMotion& a, const PartOnMotion& b, const Tim
   if (a.motion.turn_rad == 0 && b.motion.turn_rad == 0) return 0;
   if (std::holds_alternative<Triangle>(a.own) && std::holds_alternative<Triangle>(b.own))
     return shortfall_of_triangles(a, b, span, off_m);
-  const SharedPoint first(a.at(span.low), b.at(span.low), known.low);
-  const SharedPoint last(a.at(span.high), b.at(span.high), known.high);
+  const SharedPoint first(a.at(span.low), b.at(span.low), known.low, known.off_m);
+  const SharedPoint last(a.at(span.high), b.at(span.high), known.high, known.off_m);
   double parting = 0;
   for (const PartOnMotion* part : {&a, &b}) {
     const FixedPoints fixed(part->motion, span, first.point, last.point);
@@ -288,7 +290,8 @@ double shortfall_between(const PartOnMotion& a, const PartOnMotion& b, const Tim
   const auto known_m = [&](const SharedPoint& shared) {
     if (shared.margin_m + off_m >= 0) return shared.margin_m + off_m;
     const double smaller_m = std::min(size_of(a.own), size_of(b.own));
-    return shared.margin_m + off_m + kResolution * (shared.point.lpNorm<1>() + smaller_m) >= 0 ? 0 : kApart;
+    const double unknown_m = kResolution * (shared.point.lpNorm<1>() + smaller_m);
+    return shared.margin_m + off_m + unknown_m + known.off_m >= 0 ? 0 : kApart;
   };
   const double low_m = known_m(first);
   const double high_m = known_m(last);

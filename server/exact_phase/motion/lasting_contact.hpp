@@ -14,10 +14,11 @@ struct PartOnMotion {
   ConvexPart at(double t) const;
 };
 
-/// Contacts of the two parts at the ends of a span; null where they are to be found.
+/// Points of contacts of the two parts at the ends of a span, in the coordinates of their motions; null: not known.
 struct KnownContacts {
-  const Contact* low = nullptr;
-  const Contact* high = nullptr;
+  const Vec3* low = nullptr;
+  const Vec3* high = nullptr;
+  double off_m = 0;  // twice how far the points may be from where the contacts were found
 };
 
 /// How far two convex parts, which touch at both ends of a span, are from being known to touch throughout: 0 where they

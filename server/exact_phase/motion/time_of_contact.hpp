@@ -1,6 +1,7 @@
 #pragma once
 
 #include "server/exact_phase/arithmetic/decision.hpp"
+#include "server/geometry/common_origin.hpp"
 #include "server/geometry/shapes.hpp"
 
 namespace collided::engine {
@@ -11,6 +12,11 @@ struct MovingSphere {
   Vec3 end;
   double radius_m = 0;
 };
+
+/// The same motion in coordinates that count from the origin (common_origin.hpp).
+inline MovingSphere seen_from(const Vec3& origin, const MovingSphere& mover) {
+  return {.start = seen_from(origin, mover.start), .end = seen_from(origin, mover.end), .radius_m = mover.radius_m};
+}
 
 /// No contact anywhere in [0, low]; contact at some time in [low, high]. Both 0 when the start touches.
 struct TimeBracket {

@@ -4,7 +4,11 @@
 
 #include <array>
 #include <filesystem>
+#include <memory>
+#include <optional>
+#include <utility>
 
+#include "idl/base64.hpp"
 #include "server/intake/readers/byte_order.hpp"
 
 namespace collided::engine {
@@ -13,30 +17,6 @@ namespace {
 constexpr std::uint32_t kGlbMagic = 0x46546c67;
 constexpr std::uint32_t kJsonChunk = 0x4e4f534a;
 constexpr std::uint32_t kBinaryChunk = 0x004e4942;
-
-/// The six bits of a base64 character; 64 for any other character.
-std::uint8_t six_bits(char c) {
-  if (c >= 'A' && c <= 'Z') return static_cast<std::uint8_t>(c - 'A');
-  if (c >= 'a' && c <= 'z') return static_cast<std::uint8_t>(c - 'a' + 26);
-  if (c >= '0' && c <= '9') return static_cast<std::uint8_t>(c - '0' + 52);
-  return c == '+' ? 62 : c == '/' ? 63 : 64;
-}
-
-std::string decode_base64(const JsonView& uri, std::string_view text) {
-  while (text.ends_with('=')) text.remove_suffix(1);
-  std::string bytes;
-  bytes.reserve(text.size() / 4 * 3 + 3);
-  std::uint32_t bits = 0;
-  int bit_count = 0;
-  for (const char c : text) {
-    const std::uint8_t six = six_bits(c);
-    if (six > 63) uri.complain("holds a letter that is none of base64");
-    bits = bits << 6 | six;
-    bit_count += 6;
-    if (bit_count >= 8) bytes += static_cast<char>(bits >> (bit_count -= 8) & 0xff);
-  }
-  return bytes;
-}
 
 /// A URI with "%20" and the like replaced by the characters that they stand for.
 std::string unescaped(std::string_view uri) {
@@ -91,7 +71,9 @@ std::span<const char> GltfBuffers::open(const Reading& reading, const JsonView& 
     if (text.starts_with("data:")) {
       const std::size_t comma = text.find(";base64,");
       if (comma == std::string::npos) uri.complain("is data in another form than base64");
-      decoded_.push_back(std::make_unique<std::string>(decode_base64(uri, std::string_view(text).substr(comma + 8))));
+      std::optional<std::string> decoded = decode_base64(std::string_view(text).substr(comma + 8));
+      if (!decoded) uri.complain("holds a letter that is none of base64");
+      decoded_.push_back(std::make_unique<std::string>(std::move(*decoded)));
       bytes = *decoded_.back();
     } else {
       const std::filesystem::path path = std::filesystem::path(unescaped(text)).lexically_normal();

@@ -38,13 +38,13 @@ json ObjectCommands::attach(const CommandAsk& ask, const Arguments& arguments) {
   if (const std::optional<Refusal> refusal = world.attach(child, parent, arguments.pose("pose")))
     throw BadCommand(refusal->reason);
   const AttachedObject& attached = *world.attachments().find(child);
-  if (with_.durable != nullptr) {
-    const json again{{"command", names::kAttach},
-                     {"child", attached.child_name},
-                     {"parent", attached.parent_name},
-                     {"pose", json_of(attached.in_parent)}};
-    with_.durable->attached(attached.child_name, again.dump());
-  }
+  const json again{{"command", names::kAttach},
+                   {"child", attached.child_name},
+                   {"parent", attached.parent_name},
+                   {"pose", json_of(attached.in_parent)}};
+  keep({KeptKind::attached, attached.child_name}, {0, 0, again.dump(), {}});
+  // It was kept, but not sent with what is kept as long as its parent was missing.
+  if (ask.is_carried_out_again()) with_.place.changed(ask);
   json answer{{"child", attached.child_name}, {"parent", attached.parent_name}, {"pose", json_of(attached.in_parent)}};
   answer["version"] = step();
   return answer;
@@ -54,14 +54,14 @@ json ObjectCommands::attach(const CommandAsk& ask, const Arguments& arguments) {
 void ObjectCommands::keep_detached(const std::string& child) {
   const World& world = with_.loop.world();
   const std::optional<ObjectId> id = world.find(child);
-  if (with_.durable != nullptr) with_.durable->detached(child);
+  with_.inventory.erase({KeptKind::attached, child});
   if (!id) return;
   const SnapshotRing::Lease state = world.newest();
   const json again{
       {"command", names::kMove}, {"name", child}, {"pose", json_of(state->poses[slot_of(*id)])}, {"teleport", true}};
   const CommandAsk ask{0, 0, again.dump(), {}};
-  answers_.tell_flight_recorder(ask);
-  if (with_.durable != nullptr) with_.durable->object_moved(world.info(*id)->rare->scene, child, ask);
+  if (with_.flight != nullptr) with_.flight->note_own(ask.text, ask.blob);
+  keep_moved(*world.info(*id), ask);
 }
 
 json ObjectCommands::detach(const CommandAsk& ask, const Arguments& arguments) {
@@ -70,13 +70,23 @@ json ObjectCommands::detach(const CommandAsk& ask, const Arguments& arguments) {
   const AttachedObject* attached = world.attachments().find(child);
   const std::string name = world.info(child)->name;
   refuse_if_foreign(ask, name, "detached");
-  if (attached == nullptr) throw BadCommand(fmt::format("object {} is not attached to anything", printable(name)));
+  if (attached == nullptr) return forget_parted(name);
   const std::string parent = attached->parent_name;
   if (world.has_moved(child)) with_.loop.step_now();
   world.detach(child);
   const std::uint64_t version = step();
   keep_detached(name);
   return {{"child", name}, {"parent", parent}, {"version", version}};
+}
+
+/// Gives up an attachment of before the start whose parent has not come back. Throws BadCommand if there is none.
+json ObjectCommands::forget_parted(const std::string& child) {
+  const auto parted = std::ranges::find(parted_, child, &Parted::child);
+  if (parted == parted_.end() || !with_.durable->is_due(parted->ask.request))
+    throw BadCommand(fmt::format("object {} is not attached to anything", printable(child)));
+  const std::string parent = parted->parent;
+  with_.inventory.erase({KeptKind::attached, child});
+  return {{"child", child}, {"parent", parent}, {"version", with_.loop.world().newest()->version}};
 }
 
 /// Says of attachments that they ended, and keeps that. Returns the names of what was attached and is still there.
@@ -88,16 +98,18 @@ json ObjectCommands::note_ended_attachments() {
     if (ended.is_child_there) {
       keep_detached(ended.child);
       detached.push_back(ended.child);
-    } else if (with_.durable != nullptr) {
-      with_.durable->detached(ended.child);
+    } else {
+      with_.inventory.erase({KeptKind::attached, ended.child});
     }
   }
   return detached;
 }
 
 bool ObjectCommands::put_off(const CommandAsk& ask, const Arguments& arguments) {
-  if (arguments.command() != names::kAttach || with_.loop.world().find(arguments.text("parent"))) return false;
-  parted_.push_back(ask);
+  if (arguments.command() != names::kAttach) return false;
+  Parted parted{.ask = ask, .child = arguments.text("child"), .parent = arguments.text("parent")};
+  if (are_there(parted)) return false;
+  parted_.push_back(std::move(parted));
   return true;
 }
 
@@ -106,16 +118,20 @@ void ObjectCommands::look_for_gone() {
   attach_again();
 }
 
-/// Attaches again what a crash has parted, where the parent may still have to come back with its publisher.
+bool ObjectCommands::are_there(const Parted& parted) const {
+  const World& world = with_.loop.world();
+  return world.find(parted.child) && world.find(parted.parent);
+}
+
+/// Attaches again what a stop or a crash has parted, where the parent may still have to come back with its publisher.
+/// After a crash that has a limit, since the publisher was there; after a stop none, since it may be started later.
 void ObjectCommands::attach_again() {
-  const bool is_last_try = !with_.loop.recovering();
-  std::erase_if(parted_, [&](const CommandAsk& ask) {
-    if (!with_.durable->is_due(ask.request)) return true;
-    const Arguments arguments(ask.text);
-    const World& world = with_.loop.world();
-    const bool are_there = world.find(arguments.text("child")) && world.find(arguments.text("parent"));
-    if (!are_there && !is_last_try) return false;
-    answers_.answer_once_kept(ask, [&] { return attach(ask, arguments); });
+  if (parted_.empty()) return;
+  const bool is_last_try = !with_.loop.recovering() && with_.durable->crashed();
+  std::erase_if(parted_, [&](const Parted& parted) {
+    if (!with_.durable->is_due(parted.ask.request)) return true;
+    if (!are_there(parted) && !is_last_try) return false;
+    answers_.answer_once_kept(parted.ask, [&] { return attach(parted.ask, Arguments(parted.ask.text)); });
     return true;
   });
 }

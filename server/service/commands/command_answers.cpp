@@ -1,7 +1,7 @@
 #include "server/service/commands/command_answers.hpp"
 
+#include <exception>
 #include <utility>
-#include <vector>
 
 namespace collided::engine::service {
 
@@ -34,21 +34,26 @@ void CommandAnswers::send(const CommandAsk& ask, ReplyStatus status, std::string
   const json refusal = json::parse(text, nullptr, false);
   if (with_.durable != nullptr && refusal.is_object())
     with_.durable->not_restored(ask.request, refusal.value("error", text));
-  with_.loop.say("what was added before the crash cannot be added again: " + text);
+  with_.loop.say("what was kept cannot be carried out again: " + text);
 }
 
 void CommandAnswers::answer_once_kept(const CommandAsk& ask, const std::function<json()>& work, bool is_durable) {
   json result;
+  std::exception_ptr refusal;
+  // Only commands on the wire are recorded elsewhere.
+  if (with_.flight != nullptr && ask.client == 0) with_.flight->note_own(ask.text, ask.blob);
   try {
     result = work();
-    tell_followers(ask);
-    if (after_change_) after_change_();
-  } catch (...) {
-    return answer(ask, []() -> json { throw; });
-  }
+  } catch (...) { refusal = std::current_exception(); }
+  // What was changed before a refusal is in the world all the same.
+  const Inventory::Changes changes = with_.inventory.flush(ask.client, ask.request);
+  if (refusal) return answer(ask, [&]() -> json { std::rethrow_exception(refusal); });
+  tell_followers(ask, changes);
+  if (after_change_) after_change_();
   const CommandAsk whose{ask.client, ask.request, {}, {}};
   auto tell = [this, whose, result, is_durable](const std::string& not_kept) mutable {
-    if (!not_kept.empty() && is_durable) return refuse(whose, "it was done, but is lost with a crash: " + not_kept);
+    if (!not_kept.empty() && is_durable)
+      return refuse(whose, "it was done, but is lost when the server ends: " + not_kept);
     if (!not_kept.empty()) result["not_kept"] = not_kept;
     // Said once, at the start and in the plan, and not with every command.
     if (with_.durable == nullptr) result["keeps_nothing"] = true;
@@ -57,14 +62,18 @@ void CommandAnswers::answer_once_kept(const CommandAsk& ask, const std::function
   with_.durable != nullptr ? with_.durable->then(tell) : tell(kNoFolder);
 }
 
-/// What is carried out again after a crash a follower fetches with all that is kept. Fences are passed on where they are made,
-/// since only those that are kept stand for themselves.
-void CommandAnswers::tell_followers(const CommandAsk& ask) const {
-  if (!with_.changed || ask.client == 0) return;
+/// What is carried out again at the start a follower fetches with all that is kept. Of added fences only those that are kept
+/// are passed on, one by one.
+void CommandAnswers::tell_followers(const CommandAsk& ask, const Inventory::Changes& changes) const {
+  if (ask.client == 0) return;
   const Arguments arguments(ask.text);
-  const Changes changes = arguments.spec()->changes;
-  const bool is_added_fence = changes == Changes::fences && !arguments.truth("remove");
-  if (!is_added_fence && changes != Changes::losses) with_.changed(ask);
+  const Changes what = arguments.spec()->changes;
+  const bool is_added_fence = what == Changes::fences && !arguments.truth("remove");
+  if (!is_added_fence && what != Changes::losses) with_.place.changed(ask);
+  if (!is_added_fence) return;
+  for (const KeptCommand& fence : changes.put) {
+    if (fence.owner == 0) with_.place.changed({0, 0, fence.text, fence.blob});
+  }
 }
 
 std::future<std::string> CommandAnswers::followed() {
@@ -92,22 +101,10 @@ void CommandAnswers::once_there_is_room(const CommandAsk& ask, bool is_durable, 
   const auto decide = [this, whose, go_on = std::move(go_on)](const std::string& no_room) {
     if (no_room.empty()) return go_on();
     refuse(whose, "it cannot be kept: " + no_room + ". Nothing was done",
-           "without --durable it is done, and lost with a crash");
+           "without --durable it is done, and lost when the server ends");
   };
   if (with_.durable == nullptr) return decide(kNoFolder);
   with_.durable->ask_room(ask.text.size() + ask.blob.size() + kRecordBytes, decide);
-}
-
-void CommandAnswers::tell_flight_recorder(const CommandAsk& ask) {
-  if (with_.flight == nullptr) return;
-  dds::Sample<wire::Query> query;
-  query->kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::command);
-  query->chunk_count = 1;
-  static_cast<void>(dds::set_text(query->text, ask.text));  // it came in such a field, so it fits
-  const std::vector<std::uint8_t> blob(reinterpret_cast<const std::uint8_t*>(ask.blob.data()),
-                                       reinterpret_cast<const std::uint8_t*>(ask.blob.data()) + ask.blob.size());
-  dds::borrow(query->blob, blob);
-  with_.flight->note(recording::Recorded::query, *query);
 }
 
 }  // namespace collided::engine::service

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "server/service/questions/validation.hpp"
 
@@ -20,6 +21,12 @@ const ObjectInfo* CommandFamily::foreign_in_scene(const CommandAsk& ask, std::st
     if (info && info->rare->scene == scene && !ask.from.peer->may_name(info->name)) return info.get();
   }
   return nullptr;
+}
+
+void CommandFamily::keep(KeptKey key, const CommandAsk& ask, std::uint64_t owner) {
+  using enum Inventory::Turn;
+  with_.inventory.put({.key = std::move(key), .text = ask.text, .blob = ask.blob, .owner = owner},
+                      ask.is_carried_out_again() ? again : first);
 }
 
 std::uint64_t CommandFamily::step() {

@@ -44,6 +44,8 @@ class CommandFamily {
   static void refuse_if_foreign(const CommandAsk& ask, std::string_view object, const char* not_done);
   /// The first object of a scene that the keys of the command's sender are not for; null where there is none.
   const ObjectInfo* foreign_in_scene(const CommandAsk& ask, std::string_view scene) const;
+  /// Puts a command into the inventory. owner: as in KeptCommand.
+  void keep(KeptKey key, const CommandAsk& ask, std::uint64_t owner = 0);
   /// Makes a change visible by a step; returns the new version.
   std::uint64_t step();
   std::uint32_t ended_count() const;
@@ -54,13 +56,12 @@ class CommandFamily {
 };
 
 // The families of which nothing but their commands is known elsewhere.
-std::unique_ptr<CommandFamily> fence_commands(CommandContext& context);
+std::unique_ptr<CommandFamily> standing_commands(CommandContext& context);
 std::unique_ptr<CommandFamily> measuring_commands(CommandContext& context);
 std::unique_ptr<CommandFamily> probe_commands(CommandContext& context);
 std::unique_ptr<CommandFamily> recording_commands(CommandContext& context);
 std::unique_ptr<CommandFamily> rule_commands(CommandContext& context);
 std::unique_ptr<CommandFamily> sampled_commands(CommandContext& context);
 std::unique_ptr<CommandFamily> server_commands(CommandContext& context);
-std::unique_ptr<CommandFamily> shard_commands(CommandContext& context);
 
 }  // namespace collided::engine::service

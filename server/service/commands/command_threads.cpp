@@ -8,24 +8,22 @@
 namespace collided::engine::service {
 
 CommandThreads::CommandThreads() {
-  const auto work = [](const char* name, auto& jobs) {
-    return named_thread(name, [&jobs] {
-      while (std::optional<Job> job = jobs.pop()) (*job)();
+  slow_jobs_.serve("loads", [](const Job& job) { job(); });
+  const auto staff = [](const char* name, FairQueue<Job>& jobs) {
+    jobs.staff(1, [name, &jobs] {
+      serve_here(name, [&] {
+        while (std::optional<Job> job = jobs.pop()) (*job)();
+      });
     });
   };
-  slow_thread_ = work("loads", slow_jobs_);
-  pair_thread_ = work("pairs", pair_jobs_);
-  costly_thread_ = work("costly pairs", costly_jobs_);
+  staff("pairs", pair_jobs_);
+  staff("costly pairs", costly_jobs_);
 }
 
 void CommandThreads::stop() {
-  slow_jobs_.close();
-  if (slow_thread_.joinable()) slow_thread_.join();
-  pair_jobs_.close();
-  if (pair_thread_.joinable()) pair_thread_.join();
-  // Closed only now: the thread for pairs may have passed one on until it ended.
-  costly_jobs_.close();
-  if (costly_thread_.joinable()) costly_thread_.join();
+  slow_jobs_.finish();
+  pair_jobs_.finish();
+  costly_jobs_.finish();  // only now: the thread for pairs may have passed one on until it ended
 }
 
 void CommandThreads::require_room(const char* what) const {

@@ -3,7 +3,7 @@
 #include <atomic>
 #include <cstddef>
 #include <functional>
-#include <thread>
+#include <utility>
 
 #include "server/service/runtime/fair_queue.hpp"
 #include "server/service/runtime/work_queue.hpp"
@@ -21,7 +21,9 @@ class CommandThreads {
 
   /// Throws BadCommand where too many slow jobs wait.
   void require_room(const char* what) const;
-  void push_slow(Job job) { slow_jobs_.push(std::move(job)); }
+  /// False: the system has no room for the thread, or stop() was called. The job will not be done.
+  [[nodiscard]] bool push_slow(Job job) { return slow_jobs_.push(std::move(job)); }
+  static constexpr const char* kNoThread = "the system has no room for another thread, or the server is stopping";
   /// These throw BadCommand where too many jobs wait, of all clients or of this one.
   void push_pair(const char* what, const Share& share, Job job) { push(what, pair_jobs_, share, std::move(job)); }
   void push_costly(const char* what, const Share& share, Job job) { push(what, costly_jobs_, share, std::move(job)); }
@@ -42,9 +44,6 @@ class CommandThreads {
   FairQueue<Job> pair_jobs_{kMostPairJobs};
   FairQueue<Job> costly_jobs_{kMostPairJobs};
   std::atomic<bool> stopping_{false};
-  std::thread slow_thread_;
-  std::thread pair_thread_;
-  std::thread costly_thread_;
 };
 
 }  // namespace collided::engine::service

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
+#include <algorithm>
 #include <array>
 #include <cassert>
 #include <chrono>
@@ -22,9 +23,10 @@ namespace names = wire_contract::command;
 
 Commands::Commands(const Collaborators& with, const std::string& uploads)
     : context_(with), loads_(context_, uploads), geometry_(with.loop.world(), context_.answers) {
-  for (const auto& family : {fence_commands, measuring_commands, probe_commands, recording_commands, rule_commands,
-                             sampled_commands, server_commands, shard_commands})
+  for (const auto& family : {standing_commands, measuring_commands, probe_commands, recording_commands, rule_commands,
+                             sampled_commands, server_commands})
     others_.push_back(family(context_));
+  with_.place.add_commands(context_, others_);
   const auto bind = [this](std::vector<BoundCommand> commands) {
     for (BoundCommand& command : commands) handlers_.emplace(command.name, std::move(command));
   };
@@ -32,7 +34,10 @@ Commands::Commands(const Collaborators& with, const std::string& uploads)
   bind(loads_.commands());
   bind(geometry_.commands());
   for (const auto& family : others_) bind(family->commands());
-  assert(handlers_.size() == std::size(names::kCommands) && "a command of the table has no handler");
+  assert(std::ranges::all_of(
+             names::kCommands,
+             [&](const names::CommandSpec& spec) { return spec.is_of_fleet || handlers_.contains(spec.name); }) &&
+         "a command of the table has no handler");
 }
 
 Commands::~Commands() { stop(); }
@@ -51,6 +56,7 @@ void Commands::stop() {
 void Commands::look_for_gone() {
   objects_.look_for_gone();
   for (const auto& family : others_) family->look_for_gone();
+  with_.inventory.flush();
 }
 
 /// What the keys of whoever sent the command do not allow, or no replica does; empty where it is allowed.
@@ -60,7 +66,7 @@ std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& ar
   const QueryRight right = names::right_for(arguments.command(), arguments.has("upload"));
   if (!ask.from.has(right))
     return fmt::format("the keys give no right to {}. Nothing was done", kWhat[static_cast<std::size_t>(right)]);
-  if (with_.is_replica && ask.client != 0 && right != QueryRight::ask)
+  if (with_.place.is_replica() && ask.client != 0 && right != QueryRight::ask)
     return "this is a replica: what changes the world goes to its primary. Nothing was done";
   const bool only_looks = right == QueryRight::ask || right == QueryRight::greet;
   if (!ask.from.peer || ask.from.peer->objects.empty() || only_looks) return {};
@@ -75,6 +81,9 @@ std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& ar
 const BoundCommand& Commands::handler_of(const Arguments& arguments) const {
   const auto found = handlers_.find(arguments.command());
   if (found == handlers_.end()) {
+    if (arguments.spec() != nullptr)
+      throw BadCommand(fmt::format("this server is built without the fleet, and has no command {}. Nothing was done",
+                                   arguments.command()));
     std::vector<std::string> known;
     for (const names::CommandSpec& spec : names::kCommands) known.emplace_back(spec.name);
     throw BadCommand(
@@ -117,7 +126,6 @@ void Commands::queue_for_world(CommandAsk ask, const BoundCommand& handler, cons
 
 std::string Commands::follow(CommandAsk ask) {
   std::future<std::string> refusal = answers_.followed();
-  const CommandAsk followed = ask;
   try {
     const Arguments arguments(ask.text);
     const BoundCommand& handler = handler_of(arguments);
@@ -134,22 +142,21 @@ std::string Commands::follow(CommandAsk ask) {
   constexpr std::chrono::milliseconds kLook{50};
   while (!context_.threads.are_stopping()) {
     if (refusal.wait_for(kLook) != std::future_status::ready) continue;
-    const std::string why = refusal.get();
-    if (why.empty()) answers_.tell_flight_recorder(followed);
-    return why;
+    return refusal.get();
   }
   return "the server is stopping";
 }
 
 /// Loads the scenes on the thread for slow work, then adds, moves and probes on the world's, as some need those scenes.
-void Commands::replay(const std::vector<CommandAsk>& asks) {
-  if (asks.empty()) return;
+void Commands::replay(const std::vector<KeptCommand>& left) {
+  if (left.empty()) return;
+  std::vector<CommandAsk> asks;
+  for (const KeptCommand& command : left) asks.push_back({0, asks.size() + 1, command.text, command.blob});
   replaying_.store(true);
-  context_.threads.push_slow([this, asks] {
+  const bool is_taken = context_.threads.push_slow([this, asks] {
     std::vector<CommandAsk> others;
     for (const CommandAsk& ask : asks) {
       if (!with_.durable->is_due(ask.request)) continue;
-      answers_.tell_flight_recorder(ask);
       try {
         const Arguments arguments(ask.text);
         if (arguments.command() == names::kLoad) {
@@ -164,10 +171,10 @@ void Commands::replay(const std::vector<CommandAsk>& asks) {
     }
     with_.inbox.push_own_job([this, others] {
       replay_on_world_thread(others);
-      with_.durable->note_restored();
       replaying_.store(false);
     });
   });
+  if (!is_taken) throw std::runtime_error(CommandThreads::kNoThread);
 }
 
 void Commands::replay_on_world_thread(const std::vector<CommandAsk>& asks) {
@@ -175,11 +182,24 @@ void Commands::replay_on_world_thread(const std::vector<CommandAsk>& asks) {
     if (!with_.durable->is_due(ask.request)) continue;
     const Arguments arguments(ask.text);
     if (objects_.put_off(ask, arguments)) continue;
-    answers_.answer_once_kept(ask, [&]() -> json {
-      const BoundCommand& handler = handler_of(arguments);
-      return objects_.is_removed_already(arguments) ? json::object() : handler.work(ask, arguments);
-    });
+    if (objects_.is_moot(arguments)) {
+      drop_if_moot_for_good(ask);
+      continue;
+    }
+    answers_.answer_once_kept(ask, [&] { return handler_of(arguments).work(ask, arguments); });
   }
+}
+
+/// Forgets what was kept of a part that its scene no longer has. If the scene itself is missing, it may come back.
+void Commands::drop_if_moot_for_good(const CommandAsk& ask) {
+  const KeptKey& key = with_.durable->commands_left().at(ask.request - 1).key;
+  const std::string scene = key.scene();
+  const SnapshotRing::Lease state = with_.loop.world().newest();
+  const bool is_there = std::ranges::any_of(state->scenes, [&](const auto& loaded) { return loaded->name == scene; });
+  if (!is_there) return;
+  with_.loop.say(fmt::format("scene {} has other parts than before. Dropped: {}", printable(scene), ask.text));
+  with_.inventory.erase(key);
+  with_.inventory.flush();
 }
 
 }  // namespace collided::engine::service

@@ -28,9 +28,9 @@ class Commands {
 
   /// Sets where the answers go. To be called before the first run().
   void connect(Answering& answering) { context_.answers.connect(answering); }
-  /// Carries out again what a crashed process had carried out: scenes on a thread of their own, the rest on the
+  /// Carries out again what an earlier process had carried out: scenes on a thread of their own, the rest on the
   /// world's. To be called after connect(); returns at once.
-  void replay(const std::vector<CommandAsk>& asks);
+  void replay(const std::vector<KeptCommand>& left);
   /// Carries out what a command has done to another server's world, and waits for it. Returns why it was refused; empty:
   /// it was not. One thread, not the world's.
   std::string follow(CommandAsk ask);
@@ -50,6 +50,7 @@ class Commands {
   const BoundCommand& handler_of(const Arguments& arguments) const;
   void queue_for_world(CommandAsk ask, const BoundCommand& handler, const Arguments& arguments);
   void replay_on_world_thread(const std::vector<CommandAsk>& asks);
+  void drop_if_moot_for_good(const CommandAsk& ask);
 
   CommandContext context_;
   const Collaborators& with_ = context_.with;

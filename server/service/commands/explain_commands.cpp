@@ -25,7 +25,7 @@ constexpr double kLooksAtAll = 20;
 /// A distance for each of the nearest misses, each about as a pair; most objects are told apart by their boxes.
 constexpr double kObjectsPerCost = 100;
 /// About as a group's clearance of a thousand objects; the thread for costly pairs has it in any case.
-constexpr double kFenceCost = 10'000;
+constexpr double kStandingCost = 10'000;
 /// Two states of the past, and two reports on the pair.
 constexpr double kEventCostPerObject = 1.0 / 50;
 constexpr double kEventCost = 100;
@@ -64,10 +64,11 @@ std::array<double, kRayNumbers> ray_numbers(const Arguments& arguments) {
   return numbers;
 }
 
-ExplainedNews told_news(const RecentEvent& recent, bool is_of_nearest) {
+ExplainedNews news_of(const RecentEvent& recent, bool is_of_nearest) {
   const bool is_begin = recent.event.kind == EventKind::began;
+  const char* const came = recent.event.joins_next ? "cross" : "enter";
   return {.sequence = recent.event.sequence,
-          .what = is_of_nearest ? (is_begin ? "nearest" : "no longer nearest") : (is_begin ? "enter" : "exit"),
+          .what = is_of_nearest ? (is_begin ? "nearest" : "no longer nearest") : (is_begin ? came : "exit"),
           .object = recent.a,
           .why = std::string(name_of(recent.event.reason)),
           .doubt = std::string(name_of(recent.event.of.doubt)),
@@ -75,37 +76,11 @@ ExplainedNews told_news(const RecentEvent& recent, bool is_of_nearest) {
           .high = nanoseconds(recent.high_ns())};
 }
 
-/// A question for the nearest, by what was found out of it as of a fence.
-ExplainedNearest as_nearest(ExplainedFence told, const FenceLook& look) {
-  ExplainedNearest nearest{.nearest = std::move(told.fence),
-                           .to = std::move(told.to),
-                           .only = std::move(told.only),
-                           .skip = std::move(told.skip),
-                           .mask = told.mask,
-                           .within_m = look.rule.nearest->within_m,
-                           .hysteresis_m = look.rule.nearest->hysteresis_m,
-                           .keep = told.keep,
-                           .placed = told.placed,
-                           .looked_at = told.looked_at,
-                           .others = std::move(told.outside),
-                           .left_out = std::move(told.left_out),
-                           .asked_for = std::move(told.asked_for),
-                           .events = std::move(told.events),
-                           .cut_short = look.cut_short,
-                           .late = told.late,
-                           .world_time = told.world_time,
-                           .version = told.version};
-  if (look.rule.carrier.empty()) nearest.point = std::get<Sphere>(look.body.primitives.front()).center;
-  if (!told.inside.empty()) nearest.is = std::move(told.inside.front());
-  return nearest;
-}
-
 }  // namespace
 
-/// What it is about is said by the argument that there is: a ray, a fence, a question for the nearest, an event, or the two of
-/// a pair.
+/// The argument that is there says what is explained: a standing question, a ray, an event, or the two of a pair.
 void MeasuringCommands::explain_later(CommandAsk ask, const Arguments& arguments) {
-  if (arguments.has("fence") || arguments.has("nearest")) return explain_fence_later(std::move(ask));
+  if (arguments.has("standing")) return explain_standing_later(std::move(ask));
   if (arguments.has("ray"))
     return in_turn(std::move(ask), arguments, "explain", &MeasuringCommands::asked_ray,
                    &MeasuringCommands::explained_ray);
@@ -176,47 +151,46 @@ json MeasuringCommands::explained_ray(const AskedRay& asked) const {
   return json_of(explain_ray(asked.state(), asked.options, with_.part_meshes, deadline));
 }
 
-// ---- a fence, and the nearest --------------------------------------------------------------------------------------
+// ---- a standing question -------------------------------------------------------------------------------------------
 
-/// The world's thread says who is in the fence; how far in is worked out on the thread for costly pairs.
-void MeasuringCommands::explain_fence_later(CommandAsk ask) {
+/// The world's thread says what it holds; distances and depths are worked out on the thread for costly pairs.
+void MeasuringCommands::explain_standing_later(CommandAsk ask) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
-  if (!with_.inbox.push_job([this, shared] { explain_fence_of(*shared); }))
+  if (!with_.inbox.push_job([this, shared] { explain_standing_of(*shared); }))
     answers_.refuse(*shared, "too many commands wait already", "ask again");
 }
 
-void MeasuringCommands::explain_fence_of(const CommandAsk& ask) {
+void MeasuringCommands::explain_standing_of(const CommandAsk& ask) {
   try {
     const Arguments arguments(ask.text);
-    const bool is_fence = arguments.has("fence");
-    const std::string name = arguments.text(is_fence ? "fence" : "nearest");
+    const std::string name = arguments.text("standing");
     const Fences* fences = with_.loop.world().fences();
-    const auto look = std::make_shared<std::optional<FenceLook>>();
-    if (fences != nullptr) *look = is_fence ? look_at_fence(*fences, name) : look_at_nearest(*fences, name);
-    if (!*look && !is_fence) throw BadCommand(fmt::format("no question {}", printable(name)), "collide nearest ls");
+    const auto look = std::make_shared<std::optional<StandingLook>>();
+    if (fences != nullptr) *look = look_at_standing(*fences, name);
     if (!*look && fences != nullptr && fences->margins().contains(name))
-      throw BadCommand(fmt::format("{} is a margin, no fence", printable(name)), "collide margin ls");
-    if (!*look) throw BadCommand(fmt::format("no fence {}", printable(name)), "collide fence ls");
+      throw BadCommand(fmt::format("{} is a margin, of which each pair is explained", printable(name)),
+                       "collide explain pair A B");
+    if (!*look)
+      throw BadCommand(fmt::format("no standing question {}", printable(name)), "collide fence ls, collide nearest ls");
     const auto job = await(ask, arguments);
-    threads_.push_costly("explain", {.client = ask.client, .cost = kFenceCost}, [this, job, look] {
+    threads_.push_costly("explain", {.client = ask.client, .cost = kStandingCost}, [this, job, look] {
       if (!is_wanted(*job)) return;
-      answers_.answer(job->ask, [&] { return finished(*job, [&] { return explained_fence(**look, *job); }); });
+      answers_.answer(job->ask, [&] { return finished(*job, [&] { return explained_standing(**look, *job); }); });
     });
   } catch (const BadCommand& bad) { answers_.refuse(ask, bad); }
 }
 
-json MeasuringCommands::explained_fence(const FenceLook& look, const AwaitedJob& job) const {
+json MeasuringCommands::explained_standing(const StandingLook& look, const AwaitedJob& job) const {
   if (threads_.are_stopping()) throw BadCommand("the server is stopping");
   const Arguments arguments(job.ask.text);
   const SnapshotRing::Lease state = with_.loop.world().newest();
-  FenceExplanationAsk ask{.most_outside = arguments.whole("most")};
+  StandingExplanationAsk ask{.most_others = arguments.whole("most")};
   if (const std::string name = arguments.text("why_not"); !name.empty()) ask.why_not = find_shown(*state, name);
   Deadline deadline(job.deadline_ns, &job.called_off);
-  ExplainedFence told = explain_fence(*state, look, ask, with_.part_meshes, deadline);
-  const bool is_of_nearest = look.rule.nearest.has_value();
-  for (const RecentEvent& event : with_.loop.recent_events(BroadcastOf::fences).last_of(look.id, kLastEvents))
-    told.events.push_back(told_news(event, is_of_nearest));
-  return is_of_nearest ? json_of(as_nearest(std::move(told), look)) : json_of(told);
+  ExplainedStanding explained = explain_standing(*state, look, ask, with_.part_meshes, deadline);
+  for (const RecentEvent& event : with_.loop.recent_standing().last_of(look.id, kLastEvents))
+    explained.events.push_back(news_of(event, look.rule.nearest.has_value()));
+  return json_of(explained);
 }
 
 // ---- an event ------------------------------------------------------------------------------------------------------
@@ -226,18 +200,20 @@ MeasuringCommands::AskedEvent MeasuringCommands::asked_event(const AwaitedJob& j
   if (threads_.are_stopping()) throw BadCommand("the server is stopping");
   const Arguments arguments(job.ask.text);
   const std::string of = arguments.text("of", "contacts");
-  if (of != "contacts" && of != "fences")
-    throw BadCommand(fmt::format("explain: 'of' is {}; allowed: contacts, fences", printable(of)));
-  const bool is_of_fence = of == "fences";
-  const RecentEvents& events = with_.loop.recent_events(is_of_fence ? BroadcastOf::fences : BroadcastOf::contacts);
+  if (of != "contacts" && of != "standing")
+    throw BadCommand(fmt::format("explain: 'of' is {}; allowed: contacts, standing", printable(of)));
+  const bool is_of_fence = of == "standing";
+  const RecentEvents& events = is_of_fence ? with_.loop.recent_standing() : with_.loop.recent_contacts();
   const std::uint64_t sequence = arguments.whole("event");
   std::optional<RecentEvent> recent = events.find(sequence);
   if (!recent) {
     const RecentEvents::SequenceSpan span = events.span();
-    throw BadCommand(span.last == 0 ? fmt::format("no event {}: there was none of {} so far", sequence, of)
-                                    : fmt::format("no event {}: those of {} from {} to {} are remembered", sequence, of,
-                                                  span.first, span.last),
-                     is_of_fence ? "" : "collide explain event SEQ --of fences asks about one of a fence");
+    const char* const what = is_of_fence ? "standing questions" : "contacts";
+    throw BadCommand(
+        span.last == 0 ? fmt::format("no event {}: there was none of {} so far", sequence, what)
+                       : fmt::format("no event {}: those of {} from {} to {} are remembered", sequence, what,
+                                     span.first, span.last),
+        is_of_fence ? "" : "collide explain event SEQ --of standing asks about one of a standing question");
   }
   const double objects = static_cast<double>(with_.loop.world().newest()->objects.size());
   return {.recent = std::move(*recent),

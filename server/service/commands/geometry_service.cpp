@@ -3,7 +3,6 @@
 #include <algorithm>
 
 #include "idl/commands.hpp"
-#include "server/service/runtime/named_thread.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine::service {
@@ -13,22 +12,19 @@ using wire_contract::ReplyStatus;
 
 GeometryService::GeometryService(const World& world, CommandAnswers& answers)
     : world_(world), answers_(answers), jobs_(kMostJobs) {
-  thread_ = named_thread("geometry", [this] {
-    while (std::optional<Job> job = jobs_.pop()) answer(job->ask, job->handler);
-  });
+  jobs_.serve("geometry", [this](const Job& job) { answer(job.ask, job.handler); });
 }
 
 void GeometryService::stop() {
   stopping_.store(true);
-  jobs_.close();
-  if (thread_.joinable()) thread_.join();
+  jobs_.finish();
 }
 
 std::vector<BoundCommand> GeometryService::commands() {
   const auto queued = [this](const char* name, Handler handler) -> BoundCommand {
     return {.name = name, .hand_on = [this, handler](CommandAsk ask, const Arguments&) {
-              if (!jobs_.has_room()) throw BadCommand("too many viewers ask for shapes already", "ask again");
-              jobs_.push({std::move(ask), handler});
+              if (!jobs_.has_room() || !jobs_.push({std::move(ask), handler}))
+                throw BadCommand("too many viewers ask for shapes already", "ask again");
             }};
   };
   return {queued(names::kShapes, &GeometryService::shapes),

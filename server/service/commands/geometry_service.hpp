@@ -72,7 +72,6 @@ class GeometryService {
   std::uint64_t newest_transfer_ = 0;
   WorkQueue<Job> jobs_;
   std::atomic<bool> stopping_{false};
-  std::thread thread_;
 };
 
 }  // namespace collided::engine::service

@@ -37,7 +37,7 @@ std::optional<std::uint32_t> checksum_of(const std::string& path) {
 
 LoadCommands::LoadCommands(CommandContext& context, const std::string& uploads)
     : CommandFamily(context),
-      uploads_(uploads, with_.durable != nullptr ? with_.durable->commands_left() : std::vector<CommandAsk>(),
+      uploads_(uploads, with_.durable != nullptr ? with_.durable->commands_left() : std::vector<KeptCommand>(),
                context.answers, [this](CommandAsk ask, const std::string& path, std::uint32_t checksum) {
                  load_upload(std::move(ask), path, checksum);
                }) {
@@ -91,12 +91,14 @@ void LoadCommands::load_later(CommandAsk ask, const Arguments& arguments) {
   if (arguments.has("upload")) return uploads_.take_load(std::move(ask));
   threads_.require_room("load");
   const auto shared = std::make_shared<Load>(parsed(std::move(ask), arguments));
-  answers_.once_there_is_room(shared->ask, shared->is_durable,
-                              [this, shared] { threads_.push_slow([this, shared] { load_one(std::move(*shared)); }); });
+  answers_.once_there_is_room(shared->ask, shared->is_durable, [this, shared] {
+    if (!threads_.push_slow([this, shared] { load_one(std::move(*shared)); }))
+      answers_.refuse(shared->ask, CommandThreads::kNoThread);
+  });
 }
 
 /// Loads an uploaded file as if the command had named its path. The text says so too, since it is what is carried out
-/// again after a crash.
+/// again by the next process.
 void LoadCommands::load_upload(CommandAsk ask, const std::string& path, std::uint32_t checksum) {
   json words = json::parse(ask.text);
   words.erase("upload");
@@ -143,7 +145,7 @@ void LoadCommands::load_one(Load load) {
           return answer;
         },
         shared->is_durable);
-    if (!is_added) drop_file_of(*shared);
+    is_added ? keep_upload(loaded->indexed.scene.name, shared->path) : drop_file_of(*shared);
   });
 }
 
@@ -195,11 +197,8 @@ json LoadCommands::add_scene(const Load& load, LoadedScene& loaded) {
   const std::variant<std::uint32_t, Refusal> added = world.add_scene(loaded.indexed);
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
   if (!load.covers.empty()) world.state_covers(scene.name, load.covers);
-  if (with_.durable != nullptr) {
-    with_.durable->scene_loaded(scene.name, load.ask);
-    if (!load.covers.empty()) with_.durable->covers_stated();
-  }
-  keep_upload(scene.name, load.path);
+  keep({KeptKind::scene, scene.name}, load.ask);
+  if (with_.durable != nullptr && !load.covers.empty()) with_.durable->covers_stated();
   Loaded report{.scene = scene.name,
                 .triangles = loaded.triangles,
                 .parts = scene.parts.size(),
@@ -221,7 +220,7 @@ json LoadCommands::add_scene(const Load& load, LoadedScene& loaded) {
   return answer;
 }
 
-/// Keeps the uploaded file of a scene, which is needed after a crash, and drops that of the scene it replaced.
+/// Keeps the uploaded file of a scene, which the next process needs, and drops that of the scene it replaced.
 void LoadCommands::keep_upload(const std::string& scene, const std::string& path) {
   if (const auto before = upload_of_scene_.find(scene); before != upload_of_scene_.end()) {
     forget_upload(before->second);
@@ -246,7 +245,7 @@ void LoadCommands::drop_uploads() {
   }
 }
 
-/// Removes an uploaded file once the journal names it no longer: after a crash before that it is loaded again.
+/// Removes an uploaded file once the journal names it no longer: a process that is started before that loads it again.
 void LoadCommands::forget_upload(const std::string& path) {
   if (with_.durable == nullptr) return uploads_.forget(path);
   with_.durable->then([this, path](const std::string& not_kept) {

@@ -163,9 +163,10 @@ void MeasuringCommands::menu_later(CommandAsk ask, const Arguments& arguments) {
   threads_.require_room("menu");
   const auto job = await(std::move(ask), arguments);
   options.cancelled = [this, job] { return threads_.are_stopping() || job->is_over(); };
-  threads_.push_slow([this, job, options = std::move(options)] {
+  const bool is_taken = threads_.push_slow([this, job, options = std::move(options)] {
     if (!job->called_off.load()) answers_.answer(job->ask, [&] { return menu(options, *job); });
   });
+  if (!is_taken) answers_.refuse(job->ask, CommandThreads::kNoThread);
 }
 
 /// What there is by the deadline, and whether that is all.

@@ -11,7 +11,7 @@
 #include "server/service/commands/command_family.hpp"
 #include "server/world/audit/menu.hpp"
 #include "server/world/events/recent_events.hpp"
-#include "server/world/explain/fence_explanation.hpp"
+#include "server/world/explain/standing_explanation.hpp"
 #include "server/world/explain/ray_explanation.hpp"
 #include "server/world/groups/clearance.hpp"
 #include "server/world/query/pair_report.hpp"
@@ -93,9 +93,9 @@ class MeasuringCommands : public CommandFamily {
   nlohmann::json explained(const AskedPair& asked) const;
   AskedRay asked_ray(const AwaitedJob& job) const;
   nlohmann::json explained_ray(const AskedRay& asked) const;
-  void explain_fence_later(CommandAsk ask);
-  void explain_fence_of(const CommandAsk& ask);
-  nlohmann::json explained_fence(const FenceLook& look, const AwaitedJob& job) const;
+  void explain_standing_later(CommandAsk ask);
+  void explain_standing_of(const CommandAsk& ask);
+  nlohmann::json explained_standing(const StandingLook& look, const AwaitedJob& job) const;
   AskedEvent asked_event(const AwaitedJob& job) const;
   nlohmann::json explained_event(const AskedEvent& asked) const;
   void menu_later(CommandAsk ask, const Arguments& arguments);

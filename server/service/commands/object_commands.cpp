@@ -157,10 +157,20 @@ json ObjectCommands::add(const CommandAsk& ask, const Arguments& arguments) {
   if (arguments.truth("solid")) warning = declare_solid(definition, by);
   const std::variant<ObjectId, Refusal> defined = with_.loop.world().define(definition);
   if (const auto* refusal = std::get_if<Refusal>(&defined)) throw BadCommand(refusal->reason);
-  if (with_.durable != nullptr) with_.durable->object_added(name, ask);
+  keep({KeptKind::object, name}, ask);
   json answer = json_of(Added{.id = std::get<ObjectId>(defined), .version = step(), .warning = warning});
   answer["name"] = name;
   return answer;
+}
+
+/// Keeps the last place of an object of a scene, or of one that a command has added. That of one that a lost publisher left
+/// goes with the publisher.
+void ObjectCommands::keep_moved(const ObjectInfo& info, const CommandAsk& ask) {
+  const std::string& scene = info.rare->scene;
+  if (info.publisher != 0) return keep({KeptKind::published, info.name}, ask, info.publisher);
+  keep(scene.empty() ? KeptKey{KeptKind::moved, info.name}
+                     : KeptKey::of_member(KeptKind::member_moved, scene, info.name),
+       ask);
 }
 
 json ObjectCommands::move(const CommandAsk& ask, const Arguments& arguments) {
@@ -183,12 +193,10 @@ json ObjectCommands::move(const CommandAsk& ask, const Arguments& arguments) {
                                  printable(world.info(id)->rare->scene)));
   }
   const ObjectInfo& info = *world.info(id);
-  if (with_.durable != nullptr && info.publisher == 0) {
-    // When it is carried out again the object is placed, not moved: its motion was over before the crash.
-    json again = json::parse(ask.text);
-    again["teleport"] = true;
-    with_.durable->object_moved(info.rare->scene, name, {0, 0, again.dump(), {}});
-  }
+  // When it is carried out again the object is placed, not moved: its motion was over before the crash.
+  json again = json::parse(ask.text);
+  again["teleport"] = true;
+  keep_moved(info, {0, 0, again.dump(), {}});
   Moved moved{.distance_m = (pose->position - before).norm(), .began = {}, .ended = {}, .version = step()};
   for (const Event& event : world.events()) {
     if (event.of.a != id && event.of.b != id) continue;

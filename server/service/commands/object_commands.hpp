@@ -14,12 +14,18 @@ class ObjectCommands : public CommandFamily {
 
   std::vector<BoundCommand> commands() override;
   void look_for_gone() override;
-  /// Whether the command removes what is not there. On the world's thread, as all below.
-  bool is_removed_already(const Arguments& arguments) const;
-  /// Puts off an attachment that a crash has parted, if its parent may still come back with its publisher; else false.
+  /// Whether the command removes or moves what is not there. On the world's thread, as all below.
+  bool is_moot(const Arguments& arguments) const;
+  /// Puts off an attachment of before the start, if its parent may still come back with its publisher; else false.
   bool put_off(const CommandAsk& ask, const Arguments& arguments);
 
  private:
+  struct Parted {
+    CommandAsk ask;
+    std::string child;
+    std::string parent;
+  };
+
   nlohmann::json list(const Arguments& arguments) const;  // on the thread that asks
   nlohmann::json get(const Arguments& arguments);
   nlohmann::json left_out(const Arguments& arguments);
@@ -32,11 +38,15 @@ class ObjectCommands : public CommandFamily {
 
   ObjectId find_object(const std::string& name) const;
   void refuse_if_live(const ObjectInfo& info) const;
+  void note_removed(const CommandAsk& ask, const ObjectInfo& info);
+  void keep_moved(const ObjectInfo& info, const CommandAsk& ask);
   void keep_detached(const std::string& child);
   nlohmann::json note_ended_attachments();
+  nlohmann::json forget_parted(const std::string& child);
+  bool are_there(const Parted& parted) const;
   void attach_again();
 
-  std::vector<CommandAsk> parted_;  // by a crash: attachments whose parents may still come back
+  std::vector<Parted> parted_;  // by a stop or a crash: attachments whose parents may still come back
 };
 
 }  // namespace collided::engine::service

@@ -55,12 +55,12 @@ json ProbeCommands::probe(const CommandAsk& ask, const Arguments& arguments) {
   json changed = json::array();
   if (arguments.truth("remove")) {
     const std::vector<std::string> removed = probes.remove(arguments.text("name"));
-    if (with_.durable != nullptr) with_.durable->probes_removed(removed);
+    for (const std::string& name : removed) with_.inventory.erase({KeptKind::probe, name});
     changed = removed;
   } else {
     const ProbeDefinition definition = definition_of(arguments);
     if (const std::optional<Refusal> refusal = probes.set(definition)) throw BadCommand(refusal->reason);
-    if (with_.durable != nullptr) with_.durable->probe_set(definition.name, ask);
+    keep({KeptKind::probe, definition.name}, ask);
     changed.push_back(definition.name);
   }
   with_.loop.note_probes();

@@ -22,10 +22,11 @@ bool is_glob(const std::string& name) { return name.find_first_of("*?[") != std:
 
 }  // namespace
 
-/// After a crash the start options or the file may be others than before.
-bool ObjectCommands::is_removed_already(const Arguments& arguments) const {
+/// Since the last start the start options or a scene's file may have changed, and what a command had added may be lost.
+bool ObjectCommands::is_moot(const Arguments& arguments) const {
   const World& world = with_.loop.world();
-  if (arguments.command() == names::kRemove) return !world.find(arguments.text("name"));
+  if (arguments.command() == names::kRemove || arguments.command() == names::kMove)
+    return !world.find(arguments.text("name"));
   if (arguments.command() != names::kClear) return false;
   const std::string scene = arguments.text("scene");
   return std::ranges::none_of(world.newest()->scenes, [&](const auto& loaded) { return loaded->name == scene; });
@@ -51,19 +52,26 @@ json ObjectCommands::remove(const CommandAsk& ask, const Arguments& arguments) {
   if (std::any_of(chosen.begin(), chosen.end(), [&](ObjectId id) { return world.has_moved(id); }))
     with_.loop.step_now();
   std::vector<std::string> removed;
-  std::vector<DurableState::Removed> gone;
   for (const ObjectId id : chosen) {
     const ObjectInfo& info = *world.info(id);
     removed.push_back(info.name);
-    if (info.publisher == 0) gone.push_back({.scene = info.rare->scene, .name = info.name});
+    note_removed(ask, info);
     world.remove(id, EndReason::removed);
   }
-  if (with_.durable != nullptr) with_.durable->removed(gone);
   if (chosen.empty()) return json_of(Removed{.names = {}, .version = world.newest()->version});
   const std::uint64_t version = step();
   json answer = json_of(Removed{.names = removed, .contacts_ended = ended_count(), .version = version});
   if (json detached = note_ended_attachments(); !detached.empty()) answer["detached"] = std::move(detached);
   return answer;
+}
+
+/// The file of a scene still has what was taken out of it, so that is kept as its removal.
+void ObjectCommands::note_removed(const CommandAsk& ask, const ObjectInfo& info) {
+  const std::string& scene = info.rare->scene;
+  if (info.publisher != 0) return with_.inventory.erase({KeptKind::published, info.name});
+  if (scene.empty()) return with_.inventory.erase({KeptKind::object, info.name});
+  const json again{{"command", names::kRemove}, {"name", info.name}};
+  keep(KeptKey::of_member(KeptKind::gone, scene, info.name), {ask.client, ask.request, again.dump(), {}});
 }
 
 /// Removes scenes and objects; what live publishers have stays and is counted as kept, and so does what the keys of
@@ -91,10 +99,9 @@ json ObjectCommands::clear(const CommandAsk& ask, const Arguments& arguments) {
       continue;
     }
     removed += world.remove_scene(name);
-    if (with_.durable != nullptr) with_.durable->scene_removed(name);
+    with_.inventory.erase({KeptKind::scene, name});
   }
   const bool others = scene.empty() || moving;
-  std::vector<DurableState::Removed> gone;
   const ObjectTable objects = world.objects();  // a copy: removing changes the world's
   for (const auto& info : objects) {
     if (!others || !info || !world.info(info->id) || (moving && !info->moving)) continue;
@@ -103,10 +110,9 @@ json ObjectCommands::clear(const CommandAsk& ask, const Arguments& arguments) {
       ++kept;
     } else if (world.remove(info->id, EndReason::removed)) {
       ++removed;
-      if (info->publisher == 0) gone.push_back({.scene = info->rare->scene, .name = info->name});
+      note_removed(ask, *info);
     }
   }
-  if (with_.durable != nullptr) with_.durable->removed(gone);
   const std::uint64_t version = step();
   json answer = json_of(Cleared{.removed = removed, .kept = kept, .contacts_ended = ended_count(), .version = version});
   if (json detached = note_ended_attachments(); !detached.empty()) answer["detached"] = std::move(detached);

@@ -62,21 +62,19 @@ std::vector<BoundCommand> RuleCommands::commands() {
           on_asking_thread(names::kAllowed, this, &RuleCommands::allowed)};
 }
 
-/// Puts the rules into the world and into what outlives a crash.
+/// Puts the rules into the world and into the inventory.
 json RuleCommands::change_rules(const PairRule& changed, std::vector<PairRule> rules) {
   World& world = with_.loop.world();
   if (rules.size() > PairRules::kMost)
     throw BadCommand(fmt::format("{} rules are there already, the limit", PairRules::kMost),
                      "deny takes one back; a glob covers many objects");
-  if (with_.durable != nullptr) {
-    std::vector<std::string> texts;
-    for (const PairRule& rule : rules) {
-      const char* command = rule.allows ? names::kAllow : names::kDeny;
-      json text{{"command", command}, {"a", rule.a}, {"b", rule.b}};
-      if (!rule.because.empty()) text["because"] = rule.because;
-      texts.push_back(text.dump());
-    }
-    with_.durable->rules_set(world.pair_rules().size(), texts);
+  const auto key = [](std::size_t place) { return KeptKey{KeptKind::rule, fmt::format("{:02}", place)}; };
+  for (std::size_t i = rules.size(); i < world.pair_rules().size(); ++i) with_.inventory.erase(key(i));
+  for (std::size_t i = 0; i < rules.size(); ++i) {
+    const char* command = rules[i].allows ? names::kAllow : names::kDeny;
+    json text{{"command", command}, {"a", rules[i].a}, {"b", rules[i].b}};
+    if (!rules[i].because.empty()) text["because"] = rules[i].because;
+    keep(key(i), {0, 0, text.dump(), {}});
   }
   const std::size_t count = rules.size();
   world.set_pair_rules(std::move(rules));

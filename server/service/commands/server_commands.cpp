@@ -66,6 +66,7 @@ class ServerCommands : public CommandFamily {
   std::vector<BoundCommand> commands() override;
 
  private:
+  std::vector<Wing> wings() const;
   json plan() const;
   json covers() const;
   json figures() const;
@@ -89,6 +90,15 @@ std::vector<BoundCommand> ServerCommands::commands() {
           on_world_thread(names::kAcceptLoss, this, &ServerCommands::accept_loss)};
 }
 
+/// The optional parts of this server.
+std::vector<Wing> ServerCommands::wings() const {
+  std::vector<Wing> wings;
+  with_.place.list_wings(wings);
+  wings.push_back({.name = "keys", .in_use = with_.uses_keys});
+  wings.push_back({.name = "flight recorder", .in_use = with_.flight != nullptr});
+  return wings;
+}
+
 /// Which structures the server builds for this world, and which it leaves out and why.
 json ServerCommands::plan() const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
@@ -100,7 +110,7 @@ json ServerCommands::plan() const {
   if (with_.durable == nullptr) {
     rows.push_back({.structure = "journal",
                     .built = false,
-                    .reason = "no folder to keep it in, so what commands do is lost with a crash",
+                    .reason = "no folder to keep it in, so what commands do is lost when the server ends",
                     .saves = ""});
   }
   for (const PlanRow& row : rows)
@@ -116,6 +126,7 @@ json ServerCommands::plan() const {
     if (scenes.back()["load"].is_discarded() || scenes.back()["load"].contains("foreign"))
       scenes.back()["load"] = nullptr;
   }
+  plan.wings = wings();
   json answer = json_of(plan);
   answer["scenes"] = scenes;
   return answer;
@@ -148,7 +159,8 @@ json ServerCommands::figures() const {
                   .refused = with_.counts.refused.load(),
                   .undecided = with_.counts.undecided.load(),
                   .filters_dropped = with_.counts.filters_dropped.load(),
-                  .tiles = tiles_of(*state)};
+                  .tiles = tiles_of(*state),
+                  .wings = wings()};
   for (const PlanRow& row : plan_of(*state, with_.loop.contacts_wanted())) {
     if (!row.built) figures.not_built.push_back(row.structure);
   }
@@ -166,7 +178,9 @@ json ServerCommands::accept_loss(const Arguments& arguments) {
   const bool shows_only = arguments.truth("show");
   const std::vector<std::string> losses =
       with_.durable != nullptr ? with_.durable->losses() : std::vector<std::string>();
-  if (!shows_only && with_.durable != nullptr) with_.durable->accept_losses();
+  if (!shows_only && with_.durable != nullptr) {
+    for (const KeptKey& key : with_.durable->accept_losses()) with_.inventory.erase(key);
+  }
   return {{"losses", losses}, {"accepted", !shows_only && !losses.empty()}};
 }
 

@@ -54,7 +54,7 @@ bool write_at(int file, const std::vector<std::byte>& bytes, std::uint64_t first
 
 }  // namespace
 
-UploadReceiver::UploadReceiver(std::string folder, const std::vector<CommandAsk>& keep, CommandAnswers& answers,
+UploadReceiver::UploadReceiver(std::string folder, const std::vector<KeptCommand>& keep, CommandAnswers& answers,
                                Load load)
     : folder_(std::move(folder)), answers_(answers), load_(std::move(load)), jobs_(kMostJobs) {
   std::error_code error;
@@ -62,25 +62,22 @@ UploadReceiver::UploadReceiver(std::string folder, const std::vector<CommandAsk>
     for (const fs::directory_entry& entry : fs::directory_iterator(folder_, error)) {
       const std::string name = entry.path().filename().string();
       const bool is_needed = std::any_of(
-          keep.begin(), keep.end(), [&](const CommandAsk& ask) { return ask.text.find(name) != std::string::npos; });
+          keep.begin(), keep.end(), [&](const KeptCommand& kept) { return kept.text.find(name) != std::string::npos; });
       std::error_code ignored;
       if (!is_needed) fs::remove_all(entry.path(), ignored);
       for (const fs::directory_entry& file : fs::directory_iterator(entry.path(), ignored))
         bytes_[file.path().string()] = file.file_size(ignored);
     }
   }
-  thread_ = named_thread("uploads", [this] {
-    while (std::optional<Job> job = jobs_.pop()) {
-      if (const auto* forget = std::get_if<Forget>(&*job)) remove_file(forget->path);
-      else work(std::get<Asked>(*job));
-    }
+  jobs_.serve("uploads", [this](const Job& job) {
+    if (const auto* forget = std::get_if<Forget>(&job)) remove_file(forget->path);
+    else work(std::get<Asked>(job));
   });
 }
 
 void UploadReceiver::stop() {
   stopping_.store(true);
-  jobs_.close();
-  if (thread_.joinable()) thread_.join();
+  jobs_.finish();
   while (!uploads_.empty()) drop(uploads_.begin());
 }
 
@@ -93,8 +90,8 @@ std::vector<BoundCommand> UploadReceiver::commands() {
 }
 
 void UploadReceiver::take(CommandAsk ask, Handler handler) {
-  if (!jobs_.has_room()) throw BadCommand("too many pieces of uploads wait already", "send it again");
-  jobs_.push(Asked{std::move(ask), handler});
+  if (!jobs_.has_room() || !jobs_.push(Asked{std::move(ask), handler}))
+    throw BadCommand("too many pieces of uploads wait already", "send it again");
 }
 
 bool UploadReceiver::has_taken(const std::string& path) const {

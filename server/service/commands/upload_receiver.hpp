@@ -28,7 +28,7 @@ class UploadReceiver {
 
   /// folder  empty: every upload is refused; made when it is needed
   /// keep    commands to be carried out again: files of an earlier server that none of these texts names are removed
-  UploadReceiver(std::string folder, const std::vector<CommandAsk>& keep, CommandAnswers& answers, Load load);
+  UploadReceiver(std::string folder, const std::vector<KeptCommand>& keep, CommandAnswers& answers, Load load);
   ~UploadReceiver() { stop(); }
   UploadReceiver(const UploadReceiver&) = delete;
   UploadReceiver& operator=(const UploadReceiver&) = delete;
@@ -89,7 +89,6 @@ class UploadReceiver {
   std::map<std::string, std::uint64_t> bytes_;  // of every file in the folder, by path
   WorkQueue<Job> jobs_;
   std::atomic<bool> stopping_{false};
-  std::thread thread_;
 };
 
 }  // namespace collided::engine::service

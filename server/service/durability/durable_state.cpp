@@ -8,85 +8,103 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
-#include "idl/commands.hpp"
+#include "server/service/durability/journal_layout.hpp"
 #include "server/service/runtime/named_thread.hpp"
 
 namespace collided::engine::service {
 namespace {
 
-// The kinds of entries, in the order in which they are carried out again.
-constexpr std::string_view kCleared = "cleared/";  // a scene out of the start options
-constexpr std::string_view kScene = "scene/";
-constexpr std::string_view kGone = "gone/";  // a member of a scene
-constexpr std::string_view kObject = "object/";
-constexpr std::string_view kMemberMoved = "member_moved/";
-constexpr std::string_view kMoved = "moved/";
-constexpr std::string_view kProbe = "probe/";
-constexpr std::string_view kFence = "fence/";
-constexpr std::string_view kAttached = "attached/";      // by the name of the child
-constexpr std::string_view kRule = "rule/";              // with the place in their order
-constexpr std::string_view kSuccession = "succession/";  // of the shard's map, of which there is one
-// These are no commands.
+// Entries that are no commands.
 constexpr std::string_view kPublisher = "publisher/";
 constexpr std::string_view kCovers = "covers";
 constexpr std::string_view kLoss = "loss/";
 
 std::string key(std::string_view kind, std::string_view name) { return fmt::format("{}{}", kind, name); }
 std::string key(std::uint64_t publisher) { return fmt::format("{}{:016x}", kPublisher, publisher); }
-/// No name has a line feed in it.
-std::string member_key(std::string_view kind, std::string_view scene, std::string_view member) {
-  return fmt::format("{}{}\n{}", kind, scene, member);
+
+std::string this_layout() {
+  const std::string_view number = journal_layout::kMagic.substr(journal_layout::kMagicStem.size());
+  return std::string(number.substr(0, number.size() - 1));
 }
 
-/// Visits the entries that are commands, in the order in which they are carried out again.
-template <class Visit>
-void for_each_command(const Journal& journal, const Visit& visit) {
-  for (const std::string_view kind :
-       {kCleared, kScene, kGone, kObject, kMemberMoved, kMoved, kProbe, kFence, kRule, kAttached, kSuccession}) {
-    for (const Journal::Entry& entry : journal.entries()) {
-      if (entry.key.starts_with(kind)) visit(entry);
-    }
+/// How much a journal keeps of each kind, such as "2 scenes, 1 probes"; empty: nothing that commands brought in.
+std::string counts_of(const Journal& journal) {
+  constexpr std::string_view kWords[] = {"removed scenes",  "scenes",      "removed parts", "objects",
+                                         "moves in scenes", "moves",       "probes",        "standing questions",
+                                         "rules",           "attachments", "shard maps"};
+  std::map<std::size_t, std::size_t> counts;  // by kind; losses come last
+  for (const Journal::Entry& entry : journal.entries()) {
+    if (const std::optional<KeptKey> key = KeptKey::parse(entry.key)) ++counts[static_cast<std::size_t>(key->kind)];
+    else if (entry.key.starts_with(kLoss)) ++counts[std::size(kWords)];
   }
+  std::string text;
+  for (const auto& [kind, count] : counts) {
+    const std::string_view word = kind < std::size(kWords) ? kWords[kind] : "losses";
+    text += fmt::format("{}{} {}", text.empty() ? "" : ", ", count, word);
+  }
+  return text;
 }
-
-bool is_carried_out_again(const CommandAsk& ask) { return ask.client == 0 && ask.request != 0; }
 
 }  // namespace
 
-DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, PastEnd past, Notice notice)
+DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, PastEnd past, Notice notice,
+                           Start start)
     : journal_(std::move(disk), file), notice_(std::move(notice)), jobs_(kMostJobs) {
-  using Left = Journal::Left;
-  const bool says_nothing = journal_.left() == Left::none || journal_.left() == Left::unknown;
-  crashed_ = journal_.left() == Left::open || (says_nothing && past == PastEnd::running) ||
-             (journal_.left() == Left::unknown && past == PastEnd::unknown);
-  if (!journal_.damage().empty()) notice_(journal_.damage());
-  if (crashed_) {
-    read_left();
-    if (journal_.may_have_lost()) lose(key(kLoss, journal_.damage()), journal_.damage());
-    if (journal_.left() == Left::none) {
-      const std::string missing = fmt::format("{} is missing or cannot be read: all that commands had added", file);
-      lose(key(kLoss, missing), missing);
-    }
-    // A loss must be known to the next process, too, when the damaged file has been replaced.
-    for (const auto& [key, sentence] : losses_)
-      journal_.put({.key = key, .text = sentence, .blob = {}}, Journal::Sync::now);
-  } else {
+  if (start == Start::drops) {
+    const std::string& other = journal_.other_layout();
+    dropped_ = other.empty() ? counts_of(journal_) : fmt::format("a journal of layout {}", other);
     journal_.clear();
+  } else {
+    take_over(file, past);
   }
-  is_restoring_ = !commands_left_.empty();
-  publishers_.insert(publishers_left_.begin(), publishers_left_.end());
   say_problem();
   thread_ = named_thread("journal", [this] {
     while (std::optional<Job> job = jobs_.pop()) (*job)();
   });
 }
 
+/// Reads what the earlier process left, and what is missing of it.
+void DurableState::take_over(const std::string& file, PastEnd past) {
+  using Left = Journal::Left;
+  if (!journal_.other_layout().empty())
+    throw StateError(
+        fmt::format("{}: its layout is {}, and this version reads layout {}. Nothing was started, and the file is as "
+                    "it was",
+                    file, journal_.other_layout(), this_layout()));
+  const bool says_nothing = journal_.left() == Left::none || journal_.left() == Left::unknown;
+  crashed_ = journal_.left() == Left::open || (says_nothing && past == PastEnd::running) ||
+             (journal_.left() == Left::unknown && past == PastEnd::unknown);
+  if (!journal_.damage().empty()) notice_(journal_.damage());
+  read_left();
+  if (journal_.may_have_lost()) lose(key(kLoss, journal_.damage()), journal_.damage());
+  // Every process makes a journal at its start, so it is missing if there was a process.
+  if (journal_.left() == Left::none && past != PastEnd::unknown) {
+    const std::string missing = fmt::format("{} is missing or cannot be read: all that commands had added", file);
+    lose(key(kLoss, missing), missing);
+  }
+  // A loss must be known to the next process, too, when the damaged file has been replaced.
+  for (const auto& [key, sentence] : losses_)
+    journal_.put({.key = key, .text = sentence, .blob = {}}, Journal::Sync::now);
+  if (!crashed_) {
+    journal_.open();
+    forget_publishers();
+  }
+  publishers_.insert(publishers_left_.begin(), publishers_left_.end());
+}
+
+/// The publishers of a server that was stopped may never come back.
+void DurableState::forget_publishers() {
+  std::vector<std::string> gone;
+  for (const std::uint64_t publisher : publishers_left_) gone.push_back(key(publisher));
+  if (!gone.empty()) journal_.erase(gone, Journal::Sync::later);
+  publishers_left_.clear();
+}
+
 void DurableState::read_left() {
-  for_each_command(journal_, [&](const Journal::Entry& entry) {
-    commands_left_.push_back({0, commands_left_.size() + 1, entry.text, entry.blob});
-    keys_left_.push_back(entry.key);
-  });
+  KeptCommands left;
   for (const Journal::Entry& entry : journal_.entries()) {
+    if (std::optional<KeptKey> key = KeptKey::parse(entry.key))
+      left.put({.key = std::move(*key), .text = entry.text, .blob = entry.blob});
     had_covers_ = had_covers_ || entry.key == kCovers;
     if (entry.key.starts_with(kLoss)) lose(entry.key, entry.text);
     std::uint64_t publisher = 0;
@@ -95,6 +113,10 @@ void DurableState::read_left() {
     if (std::from_chars(entry.key.data() + kPublisher.size(), end, publisher, 16).ptr == end)
       publishers_left_.push_back(publisher);
   }
+  left.for_each([&](const KeptCommand& command) {
+    commands_left_.push_back(command);
+    due_.insert(command.key.text());
+  });
 }
 
 DurableState::~DurableState() { finish(); }
@@ -112,8 +134,8 @@ void DurableState::say_problem() {
     if (problem == said_) return;
     said_ = problem;
   }
-  notice_(problem.empty() ? "what is added is kept over a crash again"
-                          : problem + "; what is added now is lost with a crash");
+  notice_(problem.empty() ? "what is added is kept again"
+                          : problem + "; what is added now is lost when the server ends");
 }
 
 std::string DurableState::problem() const {
@@ -124,11 +146,9 @@ std::string DurableState::problem() const {
 void DurableState::change(std::vector<std::string> erased, std::vector<Journal::Entry> put, Journal::Sync sync) {
   {
     const std::lock_guard lock(losses_mutex_);
-    for (const std::string& key : erased) note_erased(key);
-    for (const Journal::Entry& entry : put) {
-      keys_.insert(entry.key);
-      losses_.erase(entry.key);
-    }
+    const auto settle = [&](const std::string& key) { losses_.erase(key), due_.erase(key); };
+    for (const std::string& key : erased) settle(key);
+    for (const Journal::Entry& entry : put) settle(entry.key);
     has_losses_.store(!losses_.empty());
   }
   jobs_.push([this, erased = std::move(erased), put = std::move(put), sync] {
@@ -137,52 +157,10 @@ void DurableState::change(std::vector<std::string> erased, std::vector<Journal::
   });
 }
 
-/// With losses_mutex_ held.
-void DurableState::note_erased(const std::string& key) {
-  keys_.erase(key);
-  losses_.erase(key);
-  has_losses_.store(!losses_.empty());
-  if (is_restoring_) erased_.insert(key);
-}
-
-/// Erases what is kept of a scene's members, those, too, that a crashed process left and that could not be carried out
-/// again, and changes the rest in the same write: a crash must not find the one without the other.
-void DurableState::change_without_members(const std::string& scene, std::vector<std::string> erased,
-                                          std::vector<Journal::Entry> put) {
-  const std::vector<std::string> stems{member_key(kGone, scene, ""), member_key(kMemberMoved, scene, "")};
-  const auto is_one = [stems](const std::string& key) {
-    return std::ranges::any_of(stems, [&](const std::string& stem) { return key.starts_with(stem); });
-  };
-  {
-    const std::lock_guard lock(losses_mutex_);
-    const std::set<std::string> known = keys_;
-    for (const std::string& key : known) {
-      if (is_one(key)) note_erased(key);
-    }
-    for (const std::string& key : keys_left_) {
-      if (is_one(key)) note_erased(key);
-    }
-    for (const std::string& key : erased) note_erased(key);
-    for (const Journal::Entry& entry : put) {
-      keys_.insert(entry.key);
-      losses_.erase(entry.key);
-    }
-    has_losses_.store(!losses_.empty());
-  }
-  jobs_.push([this, is_one, gone = std::move(erased), put = std::move(put)]() mutable {
-    for (const auto& entry : journal_.entries()) {
-      if (is_one(entry.key)) gone.push_back(entry.key);
-    }
-    journal_.change(gone, put, Journal::Sync::now);
-    say_problem();
-  });
-}
-
 // ---- losses
 
+/// With losses_mutex_ held, once there are other threads.
 void DurableState::lose(const std::string& key, const std::string& why) {
-  const std::lock_guard lock(losses_mutex_);
-  if (keys_.contains(key)) return;  // meanwhile a client has put something in its place
   losses_[key] = why;
   has_losses_.store(true);
 }
@@ -194,123 +172,89 @@ std::vector<std::string> DurableState::losses() const {
   return sentences;
 }
 
-void DurableState::not_restored(std::uint64_t request, const std::string& why) {
-  if (request >= 1 && request <= keys_left_.size()) lose(keys_left_[request - 1], why);
-}
-
-bool DurableState::is_due(std::uint64_t request) const {
-  const std::string& key = keys_left_.at(request - 1);
+void DurableState::not_restored(std::uint64_t place, const std::string& why) {
+  if (place < 1 || place > commands_left_.size()) return;
+  const KeptKey& key = commands_left_[place - 1].key;
+  // Nothing of the world is missing without it: the server has been given another shard map meanwhile.
+  if (key.kind == KeptKind::succession) return;
   const std::lock_guard lock(losses_mutex_);
-  return !keys_.contains(key) && !erased_.contains(key);
+  if (due_.contains(key.text())) lose(key.text(), why);
 }
 
-void DurableState::accept_losses() {
+bool DurableState::is_due(const KeptKey& key) const {
+  const std::lock_guard lock(losses_mutex_);
+  return due_.contains(key.text());
+}
+
+std::vector<KeptKey> DurableState::accept_losses() {
   std::vector<std::string> keys;
+  std::vector<KeptKey> not_restored;
   {
     const std::lock_guard lock(losses_mutex_);
     for (const auto& [key, sentence] : losses_) keys.push_back(key);
-    losses_.clear();
-    has_losses_.store(false);
+  }
+  for (const std::string& key : keys) {
+    if (std::optional<KeptKey> command = KeptKey::parse(key)) not_restored.push_back(std::move(*command));
   }
   change(std::move(keys), {});
-}
-
-void DurableState::note_restored() {
-  const std::lock_guard lock(losses_mutex_);
-  is_restoring_ = false;
-  erased_.clear();
+  return not_restored;
 }
 
 // ---- what commands did
 
-void DurableState::scene_loaded(const std::string& scene, const CommandAsk& ask) {
-  // What had been taken out of a scene that this one replaces, and moved in it, is there again. That a crashed process
-  // left is still to be carried out again.
-  std::vector<Journal::Entry> put{{.key = key(kScene, scene), .text = ask.text, .blob = {}}};
-  if (is_carried_out_again(ask)) change({}, std::move(put));
-  else change_without_members(scene, {}, std::move(put));
-}
-
-void DurableState::scene_removed(const std::string& scene) {
-  std::vector<Journal::Entry> put;
-  if (start_scenes_.contains(scene)) {
-    const nlohmann::json again{{"command", wire_contract::command::kClear}, {"scene", scene}};
-    put.push_back({.key = key(kCleared, scene), .text = again.dump(), .blob = {}});
+void DurableState::restore(Inventory& inventory) {
+  const std::set<std::string>& start_scenes = inventory.start_scenes();
+  std::set<std::string> kept;   // scenes that commands had loaded
+  std::set<std::string> given;  // of these, what the start options now load themselves, and no command had put in place
+  for (const KeptCommand& command : commands_left_) {
+    if (command.key.kind != KeptKind::scene) continue;
+    const std::string& scene = command.key.name;
+    kept.insert(scene);
+    const nlohmann::json load = nlohmann::json::parse(command.text, nullptr, false);
+    const bool replaces = is_due({KeptKind::cleared, scene}) || (load.is_object() && load.value("replace", false));
+    // After a crash the options are hardly others on purpose: the scene is a loss, and stays for a start that has room for it.
+    if (!crashed_ && start_scenes.contains(scene) && !replaces) given.insert(scene);
   }
-  change_without_members(scene, {key(kScene, scene)}, std::move(put));
+  const auto is_moot = [&](const KeptKey& key) {
+    if (key.kind == KeptKind::scene) return given.contains(key.name);
+    if (key.kind == KeptKind::cleared) return !start_scenes.contains(key.name);
+    const std::string scene = key.scene();
+    const bool is_there = start_scenes.contains(scene) || kept.contains(scene);
+    return !scene.empty() && (!is_there || given.contains(scene));
+  };
+  std::vector<std::string> moot;
+  for (const KeptCommand& command : commands_left_) {
+    if (is_moot(command.key)) moot.push_back(command.key.text());
+    else inventory.restore(command);
+  }
+  if (moot.empty()) return;
+  notice_(fmt::format("the start options name other scenes than before: {} of what was kept about scenes is dropped",
+                      moot.size()));
+  change(std::move(moot), {});
 }
 
-void DurableState::removed(const std::vector<Removed>& gone) {
+void DurableState::keep(const Inventory::Changes& changes) {
   std::vector<std::string> erased;
   std::vector<Journal::Entry> put;
-  for (const Removed& one : gone) {
-    if (one.scene.empty()) {
-      erased.push_back(key(kObject, one.name));
-      erased.push_back(key(kMoved, one.name));
-      continue;
-    }
-    const nlohmann::json again{{"command", wire_contract::command::kRemove}, {"name", one.name}};
-    erased.push_back(member_key(kMemberMoved, one.scene, one.name));
-    put.push_back({.key = member_key(kGone, one.scene, one.name), .text = again.dump(), .blob = {}});
+  for (const KeptKey& key : changes.erased) {
+    if (key.kind != KeptKind::published) erased.push_back(key.text());
   }
-  if (!erased.empty()) change(std::move(erased), std::move(put));
+  for (const KeptCommand& command : changes.put) {
+    if (command.owner == 0) put.push_back({.key = command.key.text(), .text = command.text, .blob = command.blob});
+  }
+  if (!erased.empty() || !put.empty()) change(std::move(erased), std::move(put));
+}
+
+std::vector<KeptCommand> DurableState::followed(const Inventory& inventory) const {
+  std::vector<KeptCommand> all;
+  inventory.commands().for_each([&](const KeptCommand& command) {
+    const bool waits = command.key.kind == KeptKind::attached && is_due(command.key);
+    if (command.owner == 0 && !waits) all.push_back(command);
+  });
+  return all;
 }
 
 void DurableState::covers_stated() { change({}, {{.key = std::string(kCovers), .text = {}, .blob = {}}}); }
-
-void DurableState::object_added(const std::string& object, const CommandAsk& ask) {
-  // The move of an earlier object of this name must not apply to the new one. One that a crashed process left waits to
-  // be carried out again.
-  std::vector<std::string> erased;
-  if (!is_carried_out_again(ask)) erased.push_back(key(kMoved, object));
-  change(std::move(erased), {{.key = key(kObject, object), .text = ask.text, .blob = ask.blob}});
-}
-
-void DurableState::object_moved(const std::string& scene, const std::string& object, const CommandAsk& ask) {
-  const std::string moved = scene.empty() ? key(kMoved, object) : member_key(kMemberMoved, scene, object);
-  change({}, {{.key = moved, .text = ask.text, .blob = {}}});
-}
-
-void DurableState::probe_set(const std::string& probe, const CommandAsk& ask) {
-  change({}, {{.key = key(kProbe, probe), .text = ask.text, .blob = {}}});
-}
-
-void DurableState::probes_removed(const std::vector<std::string>& probes) {
-  std::vector<std::string> gone;
-  for (const std::string& probe : probes) gone.push_back(key(kProbe, probe));
-  if (!gone.empty()) change(std::move(gone), {});
-}
-
-void DurableState::fences_set(const std::vector<std::pair<std::string, CommandAsk>>& fences) {
-  std::vector<Journal::Entry> put;
-  for (const auto& [name, ask] : fences) put.push_back({.key = key(kFence, name), .text = ask.text, .blob = ask.blob});
-  if (!put.empty()) change({}, std::move(put));
-}
-
-void DurableState::fences_removed(const std::vector<std::string>& fences) {
-  std::vector<std::string> gone;
-  for (const std::string& fence : fences) gone.push_back(key(kFence, fence));
-  if (!gone.empty()) change(std::move(gone), {});
-}
-
-void DurableState::rules_set(std::size_t earlier_count, const std::vector<std::string>& rules) {
-  const auto rule_key = [](std::size_t place) { return key(kRule, fmt::format("{:02}", place)); };
-  std::vector<std::string> gone;
-  std::vector<Journal::Entry> come;
-  for (std::size_t i = rules.size(); i < earlier_count; ++i) gone.push_back(rule_key(i));
-  for (std::size_t i = 0; i < rules.size(); ++i) come.push_back({.key = rule_key(i), .text = rules[i], .blob = {}});
-  change(std::move(gone), std::move(come));
-}
-
-void DurableState::attached(const std::string& child, const std::string& command) {
-  change({}, {{.key = key(kAttached, child), .text = command, .blob = {}}});
-}
-
-void DurableState::succession_set(const CommandAsk& ask) {
-  change({}, {{.key = key(kSuccession, "map"), .text = ask.text, .blob = {}}});
-}
-
-void DurableState::detached(const std::string& child) { change({key(kAttached, child)}, {}); }
 
 void DurableState::set_publishers(const std::set<std::uint64_t>& publishers) {
   if (publishers == publishers_ || !jobs_.has_room()) return;
@@ -335,14 +279,6 @@ void DurableState::wait(std::chrono::milliseconds longest) {
 void DurableState::then(std::function<void(const std::string&)> done) {
   const bool taken = jobs_.push([this, done] { done(journal_.problem()); });
   if (!taken) done("the server is stopping");
-}
-
-void DurableState::list_kept(std::function<void(std::vector<CommandAsk>)> done) {
-  jobs_.push([this, done = std::move(done)] {
-    std::vector<CommandAsk> kept;
-    for_each_command(journal_, [&](const Journal::Entry& entry) { kept.push_back({0, 0, entry.text, entry.blob}); });
-    done(std::move(kept));
-  });
 }
 
 void DurableState::ask_room(std::uint64_t bytes, std::function<void(const std::string&)> done) {

@@ -24,6 +24,20 @@ bool starts_with(std::span<const std::byte> bytes, std::string_view word) {
   return bytes.size() >= word.size() && std::memcmp(bytes.data(), word.data(), word.size()) == 0;
 }
 
+/// The digits between the stem and the line feed; empty if the file does not begin like that.
+std::string number_of_layout(std::span<const std::byte> file) {
+  constexpr std::size_t kMostDigits = 9;
+  std::string digits;
+  if (!starts_with(file, layout::kMagicStem)) return digits;
+  for (const std::byte byte : file.subspan(layout::kMagicStem.size())) {
+    const char c = static_cast<char>(byte);
+    if (c == '\n') return digits;
+    if (c < '0' || c > '9' || digits.size() == kMostDigits) return {};
+    digits += c;
+  }
+  return {};
+}
+
 }  // namespace
 
 Journal::Journal(std::unique_ptr<Disk> disk, std::string name) : disk_(std::move(disk)), name_(std::move(name)) {
@@ -37,13 +51,9 @@ void Journal::read() {
   if (!bytes) return;
   left_ = Left::unknown;
   const std::span<const std::byte> file = *bytes;
-  // Files without slots are read, and rewritten with slots at the next change.
-  if (starts_with(file, layout::kMagicWithoutSlots)) {
-    may_have_lost_ = !read_records(file, layout::kMagicWithoutSlots.size());
-    return;
-  }
-  const bool says_closed = starts_with(file, layout::kMagic);
-  if (!says_closed && !starts_with(file, layout::kMagicWithoutClosing)) {
+  if (!starts_with(file, layout::kMagic)) {
+    other_layout_ = number_of_layout(file);
+    if (!other_layout_.empty()) return;
     damage_ = fmt::format("{} is not a journal; nothing of it was taken", name_);
     may_have_lost_ = true;
     return;
@@ -53,10 +63,10 @@ void Journal::read() {
     may_have_lost_ = true;
     return;
   }
-  read_slots(file, says_closed);
+  read_slots(file);
 }
 
-void Journal::read_slots(std::span<const std::byte> file, bool says_closed) {
+void Journal::read_slots(std::span<const std::byte> file) {
   const layout::Head head = layout::head_of(file);
   const bool are_records_whole = read_records(file, layout::kHeadBytes);
   const std::uint64_t reported_bytes = head.newest ? head.newest->bytes : 0;
@@ -74,8 +84,8 @@ void Journal::read_slots(std::span<const std::byte> file, bool says_closed) {
   } else if (!head.is_whole) {
     damage_ = fmt::format("{}: one of the two counts in its head is damaged; by the other one nothing is lost", name_);
   }
-  if (head.newest && says_closed) left_ = head.newest->is_closed != 0 ? Left::closed : Left::open;
-  if (!damage_.empty() || !says_closed) return;
+  if (head.newest) left_ = head.newest->is_closed != 0 ? Left::closed : Left::open;
+  if (!damage_.empty()) return;
   slot_number_ = head.newest->number;
   has_file_ = true;
 }
@@ -142,7 +152,7 @@ void Journal::change(std::span<const std::string> erased, std::span<const Entry>
     }
     const bool is_all_kept = has_file_ && problem_.empty();
     for (const Entry& entry : put) {
-      // What is carried out again after a crash is there already.
+      // What is carried out again at the start is there already.
       const Entry* const known = find(entry.key);
       if (known == nullptr || *known != entry || !is_all_kept) add(entry, false);
     }
@@ -172,11 +182,20 @@ void Journal::clear() {
   static_cast<void>(rewrite());
 }
 
+void Journal::open() {
+  if (!has_file_) static_cast<void>(rewrite());
+  else mark(false);
+}
+
 void Journal::close() {
-  if (!has_file_) return;
-  // Both slots say so, so that damage to one of them does not bring back what was over.
+  if (has_file_) mark(true);
+}
+
+/// Writes both slots, so that damage to one of them does not change how the file was left.
+void Journal::mark(bool is_closed) {
   for (int i = 0; i < 2; ++i) {
-    const layout::Slot slot{.is_closed = 1, .number = slot_number_ + 1, .records = file_records_, .bytes = file_bytes_};
+    const layout::Slot slot{
+        .is_closed = is_closed ? 1U : 0U, .number = slot_number_ + 1, .records = file_records_, .bytes = file_bytes_};
     if (!disk_->overwrite(name_, layout::place_of_slot(slot.number), layout::encode(slot))) return;
     if (!disk_->sync(name_)) return;
     slot_number_ = slot.number;

@@ -60,7 +60,7 @@ class Journal {
     bool operator==(const Entry&) const = default;
   };
   enum class Sync : std::uint8_t { now, later };  // later: outlives this process but no loss of power
-  /// How the process before this one left its file. unknown: the file is damaged, or too old to say.
+  /// How the process before this one left its file. unknown: the file is damaged.
   enum class Left : std::uint8_t { none, unknown, open, closed };
 
   /// Reads what an earlier process left. A record that is cut or does not match its checksum ends the reading: what
@@ -75,6 +75,9 @@ class Journal {
   /// Whether what was acknowledged may be missing from entries(): damage() says how much.
   bool may_have_lost() const { return may_have_lost_; }
   Left left() const { return left_; }
+  /// The number of the file's layout if another version of this program wrote it; then nothing of it was read, and it
+  /// stays as it is until the first change. Empty: it did not.
+  const std::string& other_layout() const { return other_layout_; }
   /// Why not everything that was put is on the disk; empty: all is.
   const std::string& problem() const { return problem_; }
 
@@ -87,6 +90,8 @@ class Journal {
   bool has_room(std::uint64_t bytes);
   /// Removes all entries, and forgets damage(). The file counts as open again.
   void clear();
+  /// Writes down that a process uses the file again after it was closed. Needs no room on the disk if the file is whole.
+  void open();
   /// Writes down that this process ends in order. Needs no room on the disk.
   void close();
 
@@ -99,7 +104,8 @@ class Journal {
   Appended append(std::span<const std::byte> records, std::uint64_t count, Sync sync);
   bool count_records(std::uint64_t records, std::uint64_t bytes, Sync sync);
   void write(std::span<const std::byte> records, std::uint64_t count, Sync sync);
-  void read_slots(std::span<const std::byte> file, bool says_closed);
+  void read_slots(std::span<const std::byte> file);
+  void mark(bool is_closed);
   void fail_for_memory();
   bool rewrite();
   std::unique_ptr<Disk> disk_;
@@ -117,6 +123,7 @@ class Journal {
   bool may_have_lost_ = false;
   bool is_worth_keeping_ = false;  // the damaged file, which the next one replaces
   std::string damage_;
+  std::string other_layout_;
   std::string problem_;
 };
 

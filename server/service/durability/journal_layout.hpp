@@ -16,11 +16,9 @@
 /// order.
 namespace collided::engine::service::journal_layout {
 
-inline constexpr std::string_view kMagic = "collided journal 3\n";
-/// Older files do not say whether they were closed.
-inline constexpr std::string_view kMagicWithoutClosing = "collided journal 2\n";
-/// Still older files have no slots: records follow at once.
-inline constexpr std::string_view kMagicWithoutSlots = "collided journal 1\n";
+inline constexpr std::string_view kMagic = "collided journal 4\n";
+/// What the files of all versions begin with; the number of the layout and a line feed follow.
+inline constexpr std::string_view kMagicStem = "collided journal ";
 
 /// How much of the file was acknowledged when this was written.
 struct Slot {

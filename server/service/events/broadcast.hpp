@@ -6,15 +6,13 @@
 #include <vector>
 
 #include "server/geometry/function_ref.hpp"
+#include "server/service/events/changed_shards.hpp"
 #include "server/service/events/event_writer.hpp"
 #include "server/service/events/frames.hpp"
 #include "server/world/events/recent_events.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {
-
-/// What a Broadcast is about: contacts, or who is in which fence.
-enum class BroadcastOf : std::uint8_t { contacts, fences };
 
 /// Publishes what each step found: every event once, in frames without a gap, then the shards of the contact state that
 /// changed. Knows neither DDS nor time.
@@ -23,39 +21,33 @@ enum class BroadcastOf : std::uint8_t { contacts, fences };
 class Broadcast {
  public:
   /// notice  takes a sentence for the log
-  Broadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice,
-            BroadcastOf subject = BroadcastOf::contacts);
+  Broadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice)
+      : world_(world), event_writer_(event_writer), notice_(std::move(notice)) {}
 
   /// Has every shard written next time, the empty ones too: a subscriber that waits for all shards need not guess.
-  void mark_all();
-  /// Publishes what the newest step found. To be called once a step. Of fences it costs nothing until there is one.
+  void mark_all() { changed_.mark_all(); }
+  /// Publishes what the newest step found. To be called once a step.
   ///
   /// is_merged  whether poses of an object were merged on the way that the step decided
   void publish(FunctionRef<bool(ObjectId)> is_merged);
 
   /// Sum of contact_hash() in topics.hpp over the contacts that hold.
   std::uint64_t contact_hash() const { return contact_hash_; }
-  /// Those that hold now.
-  const std::vector<OpenContact>& open() const;
-  std::uint64_t last_sequence() const;
   /// The newest events, which may be read on any thread.
   const RecentEvents& recent() const { return recent_; }
 
  private:
-  const std::vector<Event>& events() const;
   void publish_events(const Stamp& stamp, FunctionRef<bool(ObjectId)> is_merged);
   void publish_contacts(const Stamp& stamp);
 
   World& world_;
   EventWriter& event_writer_;
-  BroadcastOf subject_;
   std::function<void(const std::string&)> notice_;
   NameBook names_;
   RecentEvents recent_;
   EventColumns events_;
   EventColumns persisted_;
-  std::vector<std::uint8_t> dirty_shards_;            // by shard; 1: to be written
-  std::vector<std::vector<std::uint32_t>> of_shard_;  // indexes of the contacts that hold, of the shards to be written
+  ChangedShards changed_;
   ContactColumns contacts_;
   std::uint64_t contact_hash_ = 0;
 };

@@ -25,29 +25,28 @@ std::string fitting_lines(const std::string& lines, std::size_t room) {
 }  // namespace
 
 DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight,
-                               const ServingTerm& term)
+                               const Place& place)
     : flight_(flight),
-      term_(term),
+      place_(place),
       event_topic_(participant, identity.name_space),
       persisted_topic_(participant, identity.name_space, wire_contract::kPersistedTopic),
-      fence_event_topic_(participant, identity.name_space, wire_contract::kFenceEventTopic),
       contact_topic_(participant, identity.name_space),
-      fence_state_topic_(participant, identity.name_space, wire_contract::kFenceStateTopic),
+      standing_event_topic_(participant, identity.name_space),
+      standing_state_topic_(participant, identity.name_space),
       probe_topic_(participant, identity.name_space),
       status_topic_(participant, identity.name_space),
       step_topic_(participant, identity.name_space, wire_contract::kStepTopic),
-      fence_status_topic_(participant, identity.name_space, wire_contract::kFenceStatusTopic),
       event_writer_(event_topic_, counting(event_readers_)),
       persisted_writer_(persisted_topic_, counting(persisted_readers_)),
-      fence_event_writer_(fence_event_topic_),
       contact_writer_(contact_topic_, counting(contact_readers_)),
-      fence_state_writer_(fence_state_topic_),
+      standing_event_writer_(standing_event_topic_),
+      standing_state_writer_(standing_state_topic_, counting(standing_readers_)),
       probe_writer_(probe_topic_, counting(probe_readers_)),
-      status_writer_(status_topic_),
-      step_writer_(step_topic_, counting(step_readers_)),
-      fence_status_writer_(fence_status_topic_, counting(fence_status_readers_)) {
+      status_writer_(status_topic_, counting(status_readers_)),
+      step_writer_(step_topic_, counting(step_readers_)) {
   frame_->server = shard_->server = probes_->server = identity.server;
-  for (wire::Status* status : {&*status_, &*step_, &*fence_status_}) status->server = identity.server;
+  standing_frame_->server = standing_shard_->server = identity.server;
+  status_->server = step_->server = identity.server;
   set_epoch(identity.epoch);
   status_->pid = static_cast<std::uint32_t>(getpid());
   // Both fit: options allow 64 letters for the namespace.
@@ -63,18 +62,13 @@ void DdsEventWriter::fall_silent() {
 void DdsEventWriter::set_epoch(std::uint64_t epoch) {
   const std::lock_guard lock(status_mutex_);
   frame_->epoch = shard_->epoch = probes_->epoch = epoch;
-  status_->epoch = step_->epoch = fence_status_->epoch = epoch;
+  standing_frame_->epoch = standing_shard_->epoch = epoch;
+  status_->epoch = step_->epoch = epoch;
 }
 
 template <class T>
 void DdsEventWriter::note(recording::Recorded topic, const T& sample) {
   if (flight_) flight_->note(topic, sample);
-}
-
-template <class T>
-void DdsEventWriter::note_fences(recording::Recorded topic, const T& sample) {
-  is_flight_of_fences_ = flight_ != nullptr;
-  note(topic, sample);
 }
 
 /// A full reader or a failed write must not stop the world; a subscriber that misses a sample sees the gap in the
@@ -87,72 +81,82 @@ void DdsEventWriter::write(dds::Writer<T>& writer, const T& sample) {
   } catch (const dds::DdsError&) {}
 }
 
-void DdsEventWriter::write_frame(dds::Writer<wire::EventFrame>& writer, const EventColumns& events,
-                                 const Stamp& stamp) {
-  frame_->first_sequence = events.first_sequence;
-  frame_->version = stamp.version;
-  frame_->world_time_ns = stamp.world_time_ns;
-  wire::lend<wire::EventFrameColumns>(events, *frame_);
-  write(writer, *frame_);
+template <class Frame, class Columns>
+void DdsEventWriter::write_frame(dds::Writer<Frame>& writer, Frame& frame, const Columns& events, const Stamp& stamp) {
+  frame.first_sequence = events.first_sequence;
+  frame.version = stamp.version;
+  frame.world_time_ns = stamp.world_time_ns;
+  wire::lend(events, frame);
+  write(writer, frame);
 }
 
-/// To be called once before all that belongs together is kept or written: the term may end between the two.
+/// To be called once before all that belongs together is kept or written: the place may end between the two.
 void DdsEventWriter::note_lapse() {
-  if (lapsed_ns_ == 0 && term_.is_over()) lapsed_ns_ = std::max<std::int64_t>(1, term_.until_ns());
+  if (lapsed_ns_ == 0 && !place_.may_publish()) lapsed_ns_ = std::max<std::int64_t>(1, place_.may_publish_until_ns());
 }
 
 std::uint64_t DdsEventWriter::speak(const SpokenBefore& before) {
   is_silent_ = false;
   lapsed_ns_ = 0;
   note_lapse();
-  // What was kept stays so until the term goes on.
+  // What was kept stays so until the place is confirmed again.
   if (is_quiet()) return 0;
   std::uint64_t first = 0;
-  untold_.tell_all(before, [&](const UntoldEvents::UntoldFrame& frame) {
-    const Stamp again{.version = 0, .world_time_ns = frame.stamp.world_time_ns};
-    write_frame(frame.is_of_fences ? fence_event_writer_ : event_writer_, frame.events, again);
-    if (first == 0 && !frame.is_of_fences) first = frame.events.first_sequence;
+  untold_.tell_all(before, [&](const auto& frame) {
+    write_frame(event_writer_, *frame_, frame.events, {.version = 0, .world_time_ns = frame.stamp.world_time_ns});
+    if (first == 0) first = frame.events.first_sequence;
+  });
+  untold_standing_.tell_all(before, [&](const auto& frame) {
+    write_frame(standing_event_writer_, *standing_frame_, frame.events,
+                {.version = 0, .world_time_ns = frame.stamp.world_time_ns});
   });
   return first;
 }
 
 void DdsEventWriter::write_events(const EventColumns& events, const Stamp& stamp) {
   note_lapse();
-  if (is_quiet()) untold_.keep(events, stamp, false, steady_ns());
-  write_frame(event_writer_, events, stamp);
+  if (is_quiet()) untold_.keep(events, stamp, steady_ns());
+  write_frame(event_writer_, *frame_, events, stamp);
   note(recording::Recorded::event, *frame_);
 }
 
 void DdsEventWriter::write_persisted(const EventColumns& events, const Stamp& stamp) {
   note_lapse();
-  write_frame(persisted_writer_, events, stamp);
+  write_frame(persisted_writer_, *frame_, events, stamp);
 }
 
-void DdsEventWriter::write_fence_events(const EventColumns& events, const Stamp& stamp) {
-  note_lapse();
-  if (is_quiet()) untold_.keep(events, stamp, true, steady_ns());
-  write_frame(fence_event_writer_, events, stamp);
-  note_fences(recording::Recorded::fence_event, *frame_);
-}
-
-void DdsEventWriter::fill_shard(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) {
+void DdsEventWriter::write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) {
   note_lapse();
   shard_->shard = contacts.shard;
   shard_->version = stamp.version;
   shard_->as_of_sequence = as_of_sequence;
   wire::lend<wire::ContactShardColumns>(contacts, *shard_);
-}
-
-void DdsEventWriter::write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) {
-  fill_shard(contacts, stamp, as_of_sequence);
   note(recording::Recorded::contact, *shard_);
   write(contact_writer_, *shard_);
 }
 
-void DdsEventWriter::write_fence_state(const ContactColumns& inside, const Stamp& stamp, std::uint64_t as_of_sequence) {
-  fill_shard(inside, stamp, as_of_sequence);
-  note_fences(recording::Recorded::fence_state, *shard_);
-  write(fence_state_writer_, *shard_);
+void DdsEventWriter::write_standing_events(const StandingColumns& events, const Stamp& stamp) {
+  note_lapse();
+  if (is_quiet()) untold_standing_.keep(events, stamp, steady_ns());
+  write_frame(standing_event_writer_, *standing_frame_, events, stamp);
+  note(recording::Recorded::standing_event, *standing_frame_);
+}
+
+void DdsEventWriter::write_standing_state(const StandingStateColumns& state, const Stamp& stamp,
+                                          std::uint64_t as_of_sequence) {
+  note_lapse();
+  wire::StandingShard& shard = *standing_shard_;
+  shard.shard = state.shard;
+  shard.version = stamp.version;
+  shard.as_of_sequence = as_of_sequence;
+  shard.world_time_ns = stamp.world_time_ns;
+  shard.state = static_cast<std::uint8_t>(state.state);
+  shard.count = state.count;
+  shard.hash = state.hash;
+  wire::lend<wire::StandingShardColumns>(state, shard);
+  // A recording has none of it before there was anything.
+  if (as_of_sequence > 0) note(recording::Recorded::standing_state, shard);
+  write(standing_state_writer_, shard);
 }
 
 void DdsEventWriter::write_probes(const ProbeColumns& probes, const Stamp& stamp) {
@@ -190,11 +194,14 @@ void DdsEventWriter::write_status(const StatusColumns& status) {
   write(status_writer_, *status_);
 }
 
-void DdsEventWriter::repeat_status(std::int64_t now_ns, wire_contract::ServerState state) {
-  constexpr std::int64_t kLateNs = wire_contract::kStatusPeriodNs * 3 / 2;
+std::int64_t DdsEventWriter::repeat_status(std::int64_t now_ns, wire_contract::ServerState state) {
+  constexpr std::int64_t kUnreadNs = 5 * wire_contract::kStatusPeriodNs;
+  const std::int64_t late_ns = status_period_ns() * 3 / 2;
   const std::lock_guard lock(status_mutex_);
-  if (said_ns_ == 0 || is_quiet() || term_.is_over()) return;
-  if (now_ns - said_ns_ < kLateNs || now_ns - repeated_ns_ < wire_contract::kStatusPeriodNs) return;
+  if (status_readers_.load() == 0) return now_ns + kUnreadNs;
+  if (said_ns_ == 0 || is_quiet() || !place_.may_publish()) return now_ns + wire_contract::kStatusPeriodNs;
+  const std::int64_t due_ns = std::max(said_ns_ + late_ns, repeated_ns_ + wire_contract::kStatusPeriodNs);
+  if (now_ns < due_ns) return due_ns;
   repeated_ns_ = now_ns;
   if (said_.state != wire_contract::ServerState::stopping) status_->state = static_cast<std::uint8_t>(state);
   said_.publishers.push_back(wire_contract::kPublisherBusyWorld);
@@ -207,18 +214,7 @@ void DdsEventWriter::repeat_status(std::int64_t now_ns, wire_contract::ServerSta
   for (auto* column : {&said_.publishers, &said_.applied_sequences}) column->pop_back();
   said_.silent_ns.pop_back();
   for (auto* column : {&said_.publisher_states, &said_.publisher_names}) column->pop_back();
-}
-
-void DdsEventWriter::write_fence_status(const StatusColumns& status) {
-  note_lapse();
-  fence_status_->version = status.stamp.version;
-  fence_status_->world_time_ns = status.stamp.world_time_ns;
-  fence_status_->last_event_sequence = status.last_event_sequence;
-  fence_status_->contact_count = status.contact_count;
-  fence_status_->contact_hash = status.contact_hash;
-  fence_status_->state = static_cast<std::uint8_t>(status.state);
-  if (is_flight_of_fences_) note(recording::Recorded::fence_status, *fence_status_);
-  write(fence_status_writer_, *fence_status_);
+  return now_ns + wire_contract::kStatusPeriodNs;
 }
 
 void DdsEventWriter::write_step(const StatusColumns& status) {
@@ -236,8 +232,8 @@ void DdsEventWriter::leave() {
   constexpr std::int64_t kPatienceNs = 500'000'000;
   event_writer_.wait_for_acknowledgements(kPatienceNs);
   contact_writer_.wait_for_acknowledgements(kPatienceNs);
-  fence_event_writer_.wait_for_acknowledgements(kPatienceNs);
-  fence_state_writer_.wait_for_acknowledgements(kPatienceNs);
+  standing_event_writer_.wait_for_acknowledgements(kPatienceNs);
+  standing_state_writer_.wait_for_acknowledgements(kPatienceNs);
   status_writer_.dispose(*status_);
   status_writer_.wait_for_acknowledgements(kPatienceNs);
 }

@@ -6,6 +6,7 @@
 
 #include "idl/topics.hpp"
 #include "server/service/events/frames.hpp"
+#include "server/service/events/standing_frames.hpp"
 
 namespace collided::engine::service {
 
@@ -51,6 +52,8 @@ class EventWriter {
   ///
   /// returns  the number of the first one of contacts; 0: there is none
   virtual std::uint64_t speak(const SpokenBefore&) { return 0; }
+  /// The period of the status, longer while it has no reader. A new reader gets the last one at once.
+  virtual std::int64_t status_period_ns() const { return wire_contract::kStatusPeriodNs; }
   virtual bool contacts_wanted() const = 0;  // events or contacts have a reader
   virtual bool persisted_wanted() const = 0;
   virtual bool probes_wanted() const = 0;
@@ -62,12 +65,10 @@ class EventWriter {
   virtual void write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) = 0;
   virtual void write_probes(const ProbeColumns& probes, const Stamp& stamp) = 0;
   virtual void write_status(const StatusColumns& status) = 0;
-  /// Of fences, in the columns of contacts: a is an object, b the fence that it is in.
-  virtual void write_fence_events(const EventColumns&, const Stamp&) {}
-  virtual void write_fence_state(const ContactColumns&, const Stamp&, std::uint64_t /*as_of_sequence*/) {}
-  /// Whether write_fence_status() has a reader or is recorded, who compares what it knows with counts and hash.
-  virtual bool fence_status_wanted() const { return false; }
-  virtual void write_fence_status(const StatusColumns&) {}
+  virtual bool standing_wanted() const { return false; }  // what holds of standing questions has a reader
+  /// Of standing questions; at most kMaxEventsPerFrame.
+  virtual void write_standing_events(const StandingColumns&, const Stamp&) {}
+  virtual void write_standing_state(const StandingStateColumns&, const Stamp&, std::uint64_t /*as_of_sequence*/) {}
   /// Whether write_step() has a reader, which learns after every step how far each publisher's samples are in the
   /// state.
   virtual bool steps_wanted() const { return false; }

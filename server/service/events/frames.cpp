@@ -2,7 +2,6 @@
 
 #include "idl/columns.hpp"
 #include "idl/topics.hpp"
-#include "server/world/fences/fences.hpp"
 
 namespace collided::engine::service {
 namespace {
@@ -30,7 +29,6 @@ void put_contact(Columns& columns, const OpenContact& of, const NameBook& book, 
 void NameBook::note(ObjectId id, const World& world) {
   Entry& entry = entries_[id];
   if (entry.contacts++ > 0) return;
-  if (is_fence(id)) entry.name = world.fences()->name(id);
   if (const ObjectInfo* info = world.info(id)) {
     entry.name = info->name;
     entry.cut = info->rare->cut;

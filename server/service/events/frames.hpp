@@ -21,6 +21,9 @@ class NameBook {
   /// afterwards.
   void note(const OpenContact& contact, const World& world);
   void forget(const OpenContact& contact);
+  /// The same of one object.
+  void note(ObjectId id, const World& world);
+  void forget(ObjectId id);
   /// Empty where no noted contact names the object. Valid until the next note() or forget().
   std::string_view name(ObjectId id) const;
   /// The triangle's number as reported: that in the file.
@@ -33,8 +36,6 @@ class NameBook {
     std::uint32_t part_triangles = 0;
     std::uint32_t contacts = 0;  // that hold and name it
   };
-  void note(ObjectId id, const World& world);
-  void forget(ObjectId id);
   std::unordered_map<ObjectId, Entry> entries_;
 };
 

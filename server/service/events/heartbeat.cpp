@@ -3,13 +3,12 @@
 #include <chrono>
 #include <utility>
 
-#include "idl/topics.hpp"
 #include "server/service/runtime/clock.hpp"
 #include "server/service/runtime/named_thread.hpp"
 
 namespace collided::engine::service {
 
-Heartbeat::Heartbeat(std::function<void(std::int64_t)> beat) : beat_(std::move(beat)) {
+Heartbeat::Heartbeat(std::function<std::int64_t(std::int64_t)> beat) : beat_(std::move(beat)) {
   thread_ = named_thread("heartbeat", [this] { run(); });
 }
 
@@ -23,11 +22,12 @@ Heartbeat::~Heartbeat() {
 }
 
 void Heartbeat::run() {
-  constexpr std::chrono::nanoseconds kPeriod(wire_contract::kStatusPeriodNs / 2);
+  std::int64_t next_ns = steady_ns();
   std::unique_lock lock(mutex_);
-  while (!ends_.wait_for(lock, kPeriod, [this] { return is_over_; })) {
+  const auto is_over = [this] { return is_over_; };
+  while (!ends_.wait_until(lock, std::chrono::steady_clock::time_point(std::chrono::nanoseconds(next_ns)), is_over)) {
     lock.unlock();
-    beat_(steady_ns());
+    next_ns = beat_(steady_ns());
     lock.lock();
   }
 }

@@ -8,12 +8,13 @@
 
 namespace collided::engine::service {
 
-/// Calls a function twice in each period of the status, on a thread that does nothing else: however long a step of the
-/// world takes, the server shows that it lives.
+/// Calls a function at the times that it names, on a thread that does nothing else: however long a step of the world
+/// takes, the server shows that it lives.
 class Heartbeat {
  public:
-  /// beat  takes the steady clock's time; it must neither wait nor work for long
-  explicit Heartbeat(std::function<void(std::int64_t now_ns)> beat);
+  /// beat  takes the steady clock's time and returns when it is to be called again; it must neither wait nor work for
+  ///       long
+  explicit Heartbeat(std::function<std::int64_t(std::int64_t now_ns)> beat);
   /// The function does not run any more when this returns.
   ~Heartbeat();
   Heartbeat(const Heartbeat&) = delete;
@@ -22,7 +23,7 @@ class Heartbeat {
  private:
   void run();
 
-  const std::function<void(std::int64_t)> beat_;
+  const std::function<std::int64_t(std::int64_t)> beat_;
   std::mutex mutex_;
   std::condition_variable ends_;
   bool is_over_ = false;

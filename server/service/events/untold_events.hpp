@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <deque>
@@ -11,18 +12,24 @@ namespace collided::engine::service {
 /// The newest events of a server that is silent, to be told once it takes the place of the one that speaks: which of them
 /// that one still told, only those who listened know. They leave out what they have heard.
 ///
+/// Columns  EventColumns or StandingColumns
 /// threads  one
+template <class Columns>
 class UntoldEvents {
  public:
   struct UntoldFrame {
-    EventColumns events;
+    Columns events;
     Stamp stamp;
-    bool is_of_fences = false;
     std::int64_t kept_ns = 0;  // steady clock
   };
 
   /// Keeps a frame, and lets go of those that are more than kMostEvents before.
-  void keep(const EventColumns& events, const Stamp& stamp, bool is_of_fences, std::int64_t now_ns);
+  void keep(const Columns& events, const Stamp& stamp, std::int64_t now_ns) {
+    if (events.size() == 0) return;
+    frames_.push_back({.events = events, .stamp = stamp, .kept_ns = now_ns});
+    event_count_ += events.size();
+    for (; event_count_ > kMostEvents; frames_.pop_front()) event_count_ -= frames_.front().events.size();
+  }
   /// Calls tell(const UntoldFrame&) with those that the other one may not have told, in order, and forgets all. Their numbers
   /// follow each other: it begins behind the last frame with an event from before the two found the same.
   template <class Tell>
@@ -40,7 +47,19 @@ class UntoldEvents {
   /// A subscriber remembers as many that it has heard.
   static constexpr std::size_t kMostEvents = wire_contract::kEventTopic.keep_last;
 
-  std::size_t first_after(std::int64_t same_from_ns) const;
+  std::size_t first_after(std::int64_t same_from_ns) const {
+    std::size_t first = 0;
+    if (same_from_ns == 0) return first;
+    for (std::size_t i = 0; i < frames_.size(); ++i)
+      if (earliest_ns(frames_[i]) <= same_from_ns) first = i + 1;
+    return first;
+  }
+  /// The beginning of the earliest bracket, world time.
+  static std::int64_t earliest_ns(const UntoldFrame& frame) {
+    double longest_ago_s = 0;
+    for (const double low_s : frame.events.bracket_lows) longest_ago_s = std::max(longest_ago_s, low_s);
+    return frame.stamp.world_time_ns - static_cast<std::int64_t>(1e9 * longest_ago_s);
+  }
 
   std::deque<UntoldFrame> frames_;
   std::size_t event_count_ = 0;  // of all frames

@@ -96,9 +96,8 @@ void PublisherLiveliness::lost(std::uint64_t publisher) {
   inbox_.push(WriterNews{.publisher = publisher, .kind = kind_, .alive = false});
 }
 
-Listeners::Listeners(const dds::Participant& participant, const std::string& name_space, const std::string& asked_as,
-                     const WorldClock& clock, Inbox& inbox, Answering& answering, FlightRecorder* flight,
-                     KeyedPeers* peers, const std::atomic<bool>& takes_questions, const ServingTerm& term)
+Listeners::Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock,
+                     Inbox& inbox, Answering& answering, FlightRecorder* flight, KeyedPeers* peers, const Place& place)
     : clock_(clock),
       inbox_(inbox),
       flight_(flight),
@@ -110,7 +109,7 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
       pose_writers_(inbox, owners_, WriterKind::pose),
       object_topic_(participant, name_space),
       pose_topic_(participant, name_space),
-      query_topic_(participant, asked_as),
+      query_topic_(participant, place.asked_as()),
       object_reader_(
           object_topic_,
           {.data = [this](dds::Taker<wire::Definition> taker) { take_or_end([&] { take_definitions(taker); }); },
@@ -122,9 +121,9 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
            .liveliness =
                [this](const dds::Liveliness& change) { take_or_end([&] { pose_writers_.liveliness(change); }); }}),
       query_reader_(query_topic_, {.data =
-                                       [&answering, &takes_questions, &term](dds::Taker<wire::Query> taker) {
-                                         const bool takes = takes_questions.load() && !term.is_over();
-                                         take_or_end([&] { takes ? answering.listen(taker) : drop_all(taker); });
+                                       [&answering, &place](dds::Taker<wire::Query> taker) {
+                                         const bool listens = place.may_answer() || answering.holds();
+                                         take_or_end([&] { listens ? answering.listen(taker) : drop_all(taker); });
                                        },
                                    // With keys, each right to send queries is a partition.
                                    .partition = peers == nullptr ? "" : "*"}) {

@@ -16,7 +16,7 @@
 #include "server/service/questions/participants.hpp"
 #include "server/service/recording/flight_recorder.hpp"
 #include "server/service/runtime/clock.hpp"
-#include "server/service/runtime/serving_term.hpp"
+#include "server/service/runtime/place.hpp"
 
 namespace collided::engine::service {
 
@@ -64,15 +64,12 @@ class PublisherLiveliness {
 /// over; they decide nothing. All that the constructor is given by reference or pointer must outlive this.
 class Listeners {
  public:
-  /// name_space      whose publishers are heard
-  /// asked_as        namespace in which this server is asked
+  /// name_space  whose publishers are heard
   /// flight  records definitions and poses (Answering records the questions); null: none
   /// peers   who may what; null: no keys
-  /// takes_questions  while false, questions are dropped: another server answers them
-  /// term             likewise once it is over
-  Listeners(const dds::Participant& participant, const std::string& name_space, const std::string& asked_as,
-            const WorldClock& clock, Inbox& inbox, Answering& answering, FlightRecorder* flight, KeyedPeers* peers,
-            const std::atomic<bool>& takes_questions, const ServingTerm& term);
+  /// place   where this server is asked, and whether it answers; if not, questions are dropped unless Answering holds them
+  Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock, Inbox& inbox,
+            Answering& answering, FlightRecorder* flight, KeyedPeers* peers, const Place& place);
 
   /// Whom the numbers of clients that are there may belong to: the query writers that are matched now, or with keys
   /// their participants. One thread.

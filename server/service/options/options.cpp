@@ -48,7 +48,7 @@ std::vector<std::string> join_numbers(const std::vector<std::string>& arguments)
   return joined;
 }
 
-void add_flags(CLI::App& app, Options& options, Flags& flags, bool& log_json) {
+void add_flags(CLI::App& app, Options& options, Flags& flags) {
   app.set_help_flag();
   app.allow_extras();
   app.add_option("scenes", flags.scenes);
@@ -58,17 +58,17 @@ void add_flags(CLI::App& app, Options& options, Flags& flags, bool& log_json) {
   app.add_flag("--once", options.once);
   app.add_flag("--version", options.show_version);
   app.add_flag("-h,--help", options.show_help);
-  app.add_flag("--log-json", log_json);
   for (const Setting& setting : settings()) {
-    if (*setting.flag && *setting.value) app.add_option(setting.flag, flags.values[setting.flag]);
+    if (!*setting.flag) continue;
+    if (*setting.value) app.add_option(setting.flag, flags.values[setting.flag]);
+    else app.add_flag(setting.flag);
   }
 }
 
 Flags read_flags(const std::vector<std::string>& arguments, Options& options) {
   Flags flags;
-  bool log_json = false;
   CLI::App app;
-  add_flags(app, options, flags, log_json);
+  add_flags(app, options, flags);
   // The parser takes its words last first.
   std::vector<std::string> reversed = join_numbers(arguments);
   std::reverse(reversed.begin(), reversed.end());
@@ -81,7 +81,10 @@ Flags read_flags(const std::vector<std::string>& arguments, Options& options) {
         fmt::format("unknown option {}{}", wire_contract::in_quotes(name), did_you_mean(name, known_flags())));
   }
   std::erase_if(flags.values, [&](const auto& flag) { return app.count(flag.first) == 0; });
-  if (log_json) flags.values["--log-json"] = "true";
+  for (const Setting& setting : settings()) {
+    const bool is_given = *setting.flag && !*setting.value && app.count(setting.flag) > 0;
+    if (is_given) flags.values[setting.flag] = app.get_option(setting.flag)->results().back();
+  }
   return flags;
 }
 
@@ -134,9 +137,10 @@ Effective find_value(const Setting& setting, const Flags& flags, const std::vect
 
 std::string joined(const std::vector<std::string>& values) { return fmt::format("{}", fmt::join(values, ",")); }
 
-void apply(const Effective& effective, Options& options) {
+void apply(const Effective& effective, Options& options, const ApplyFleetSetting& fleet) {
   const Setting& setting = *effective.setting;
-  const std::optional<std::string> allowed = setting.apply(options, effective.values);
+  const std::optional<std::string> allowed =
+      setting.apply != nullptr ? setting.apply(options, effective.values) : fleet(options, setting, effective.values);
   if (!allowed) return;
   throw OptionsError(fmt::format("{} is {}; allowed: {} (from {})", setting.key,
                                  wire_contract::in_quotes(joined(effective.values)), *allowed, effective.origin));
@@ -165,7 +169,8 @@ std::string toml_value(const Effective& effective) {
 
 }  // namespace
 
-ParsedOptions parse_options(const std::vector<std::string>& arguments, const Environment& environment) {
+ParsedOptions parse_options(const std::vector<std::string>& arguments, const Environment& environment,
+                            const ApplyFleetSetting& fleet) {
   ParsedOptions parsed;
   const Flags flags = read_flags(arguments, parsed.options);
   if (parsed.options.show_help || parsed.options.show_version) return parsed;
@@ -177,7 +182,7 @@ ParsedOptions parse_options(const std::vector<std::string>& arguments, const Env
     Effective effective = find_value(setting, flags, file, environment);
     // An empty variable or flag is a value like any other; only a list may be empty.
     if (effective.values.empty() && !setting.many) effective.values.emplace_back();
-    apply(effective, parsed.options);
+    apply(effective, parsed.options, fleet);
     parsed.effective.push_back(std::move(effective));
   }
   return parsed;

@@ -9,8 +9,6 @@
 #include <vector>
 
 #include "server/geometry/aabb.hpp"
-#include "idl/etcd/etcd_address.hpp"
-#include "server/service/authority/leadership.hpp"
 #include "server/service/commands/shard_place.hpp"
 
 namespace collided::engine::service {
@@ -18,27 +16,19 @@ namespace collided::engine::service {
 /// The server's configuration, each value checked. Keys, flags, variables and defaults: settings().
 struct Options {
   std::string name_space;
-  std::uint32_t threads = 0;       // that answer questions; 0: one a core
-  std::uint32_t step_threads = 0;  // that decide what a step has to; 0: one a core, 8 at most
-  std::int64_t step_ns = 0;        // 0: a step as soon as something has changed
-  std::string state_dir;           // empty: chosen by epoch.hpp
-  std::string standby_of;          // namespace of the primary that this server stands by for; empty: it is a primary
-  std::string replica_of;  // namespace of the primary beside which this server answers questions; empty: it is none
+  std::uint32_t threads = 0;          // that answer questions; 0: one a core
+  std::uint32_t step_threads = 0;     // that decide what a step has to; 0: one a core, 8 at most
+  std::int64_t step_ns = 0;           // 0: a step as soon as something has changed
+  std::string state_dir;              // empty: chosen by epoch.hpp
+  bool is_fresh = false;              // what the state folder keeps is dropped at the start
   std::optional<ShardPlace> shard{};  // of a shard, which serves in the namespace of the shard
-  std::string shard_map_address;  // its map is in etcd: until find_shard() only the shard's name is known; empty: no
-  bool joins = false;             // it stands by where a primary is there, else it is the primary
-  std::int64_t take_over_ns = 0;  // of a standby: a primary that is silent for so long is replaced; 0: never
-  std::optional<etcd::EtcdAddress> authority{};  // that says who is the primary; none: each server for itself
-  TakeOverMode authority_mode = TakeOverMode::strict;
-  int authority_lease_s = 0;
-  std::string member;  // what it is called among the servers of its namespace; empty: by machine and process
-  std::vector<std::string> scenes;  // files, loaded in this order; none: the embedded scene
-  double unit_m = 1;                // metres per unit of the scene files
-  char up = 0;                      // axis of the scene files that points up, 'y' or 'z'; 0: as the format says
-  std::optional<double> mend_m{};   // for the scene files, as in LoadOptions
-  std::string solid;                // glob of the names whose meshes are declared solid; empty: none
-  bool solid_by_winding = false;    // those of them that do not close are solid by their winding number
-  std::vector<Aabb> covers;         // where the loaded scenes are complete, in the world; none: not stated
+  std::vector<std::string> scenes;    // files, loaded in this order; none: the embedded scene
+  double unit_m = 1;                  // metres per unit of the scene files
+  char up = 0;                        // axis of the scene files that points up, 'y' or 'z'; 0: as the format says
+  std::optional<double> mend_m{};     // for the scene files, as in LoadOptions
+  std::string solid;                  // glob of the names whose meshes are declared solid; empty: none
+  bool solid_by_winding = false;      // those of them that do not close are solid by their winding number
+  std::vector<Aabb> covers;           // where the loaded scenes are complete, in the world; none: not stated
   std::uint32_t max_objects = 0;
   std::uint32_t max_contacts = 0;
   std::uint32_t max_intervals = 0;
@@ -74,9 +64,13 @@ struct Setting {
   const char* help;
   bool many;  // a list in the file, separated by commas elsewhere
   /// Checks the values and stores them; returns what is allowed where they are wrong. Without `many` there is one
-  /// value.
+  /// value. Null: ApplyFleetSetting does so.
   std::optional<std::string> (*apply)(Options&, std::span<const std::string> values);
 };
+
+/// Does what Setting::apply does, for the settings of the fleet.
+using ApplyFleetSetting =
+    std::function<std::optional<std::string>(Options&, const Setting&, std::span<const std::string> values)>;
 
 /// All settings, in the order of the help and of a printed configuration; those of one table follow one another.
 std::span<const Setting> settings();
@@ -107,7 +101,8 @@ struct ParsedOptions {
 ///
 /// arguments  without the program's name
 /// throws     OptionsError with where, what, what is allowed
-ParsedOptions parse_options(const std::vector<std::string>& arguments, const Environment& environment);
+ParsedOptions parse_options(const std::vector<std::string>& arguments, const Environment& environment,
+                            const ApplyFleetSetting& fleet);
 
 /// The effective configuration as a TOML file, with the origin of each value as a comment behind it.
 std::string print_config(const ParsedOptions& parsed);

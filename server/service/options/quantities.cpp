@@ -94,4 +94,20 @@ std::optional<double> parse_unit_m(std::string_view text) {
   return value;
 }
 
+bool is_namespace(std::string_view name) {
+  bool good = !name.empty() && name.size() <= 64 && !(name[0] >= '0' && name[0] <= '9');
+  for (const char c : name) {
+    good = good && ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '/');
+  }
+  return good;
+}
+
+bool is_network_word(std::string_view word) {
+  const auto allowed = [](char c) {
+    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
+           std::string_view("._-:%[]").find(c) != std::string_view::npos;
+  };
+  return !word.empty() && std::all_of(word.begin(), word.end(), allowed);
+}
+
 }  // namespace collided::engine::service

@@ -23,6 +23,13 @@ std::optional<double> parse_length_m(std::string_view text);
 /// infinite.
 std::optional<std::array<double, 6>> parse_box_m(std::string_view text);
 
+/// Whether it can begin the names of topics.
+bool is_namespace(std::string_view name);
+inline constexpr const char* kNamespaces = "1 to 64 letters, digits, '_' and '/', not starting with a digit";
+
+/// Whether a word has only the letters of addresses and interfaces, so that it may become part of DDS's own configuration.
+bool is_network_word(std::string_view word);
+
 /// Whether from_chars takes the whole text as a number ("-1", "-.5", "+3", "1e-300", "-inf"): it is then never an
 /// option.
 bool is_number(std::string_view text);

@@ -5,9 +5,6 @@
 #include <sstream>
 #include <string_view>
 
-#include "idl/etcd/etcd_address.hpp"
-#include "idl/shards/shard_map.hpp"
-#include "idl/shards/shard_map_source.hpp"
 #include "idl/topics.hpp"
 #include "server/service/options/options.hpp"
 #include "server/service/options/quantities.hpp"
@@ -18,83 +15,9 @@ namespace {
 using Values = std::span<const std::string>;
 using Allowed = std::optional<std::string>;
 
-/// Whether it can begin the names of topics.
-bool is_namespace(const std::string& name) {
-  bool good = !name.empty() && name.size() <= 64 && !(name[0] >= '0' && name[0] <= '9');
-  for (const char c : name) {
-    good = good && ((c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '/');
-  }
-  return good;
-}
-
-constexpr const char* kNamespaces = "1 to 64 letters, digits, '_' and '/', not starting with a digit";
-
 Allowed apply_namespace(Options& options, Values values) {
   if (!is_namespace(values[0])) return kNamespaces;
   options.name_space = values[0];
-  return std::nullopt;
-}
-
-/// Comes after the namespace, in whose place it is.
-Allowed apply_standby_of(Options& options, Values values) {
-  if (values[0].empty()) return std::nullopt;
-  if (!is_namespace(values[0])) return kNamespaces;
-  options.standby_of = options.name_space = values[0];
-  return std::nullopt;
-}
-
-/// Likewise.
-Allowed apply_join(Options& options, Values values) {
-  if (values[0].empty()) return std::nullopt;
-  if (!options.standby_of.empty()) return "not beside --standby-of";
-  if (!is_namespace(values[0])) return kNamespaces;
-  options.joins = true;
-  options.name_space = values[0];
-  return std::nullopt;
-}
-
-/// Likewise.
-Allowed apply_replica_of(Options& options, Values values) {
-  if (values[0].empty()) return std::nullopt;
-  if (!options.standby_of.empty() || options.joins) return "not beside --standby-of or --join";
-  if (!is_namespace(values[0])) return kNamespaces;
-  options.replica_of = options.name_space = values[0];
-  return std::nullopt;
-}
-
-/// The shard of that name in a map's file.
-Allowed take_shard_of_file(Options& options, const std::string& path, const std::string& name) {
-  try {
-    const shards::ShardMap map = shards::ShardMap::read(path);
-    const std::optional<std::size_t> place = map.find(name);
-    if (!place) return "FILE:NAME with a shard of the map; it has no such one";
-    options.shard = shard_place(map, *place);
-  } catch (const shards::ShardMapError& wrong) {
-    return std::string("FILE:NAME with a map that can be used; ") + wrong.what();
-  }
-  return std::nullopt;
-}
-
-/// Likewise; after those above, whose namespace is then that of the shard.
-Allowed apply_shard(Options& options, Values values) {
-  options.shard_map_address.clear();
-  if (values[0].empty()) return std::nullopt;
-  if (!options.replica_of.empty()) return "not beside --replica-of";
-  const std::size_t colon = values[0].rfind(':');
-  if (colon == std::string::npos) return "FILE:NAME, a shard map and the name of one of its shards";
-  const std::string source = values[0].substr(0, colon);
-  const std::string name = values[0].substr(colon + 1);
-  if (shards::is_in_etcd(source)) {
-    const std::optional<etcd::EtcdAddress> address = etcd::parse_etcd_address(source);
-    if (!address || address->key.empty()) return "etcd://HOST:PORT,.../KEY:NAME, with the key of a shard map";
-    options.shard_map_address = source;
-    options.shard = {.name = name, .held = {}};
-  } else if (Allowed wrong = take_shard_of_file(options, source, name)) {
-    return wrong;
-  }
-  options.name_space = shards::shard_namespace(options.name_space, name);
-  if (!is_namespace(options.name_space)) return "a shard whose namespace, NAMESPACE/shard_NAME, has at most 64 letters";
-  if (!options.standby_of.empty()) options.standby_of = options.name_space;
   return std::nullopt;
 }
 
@@ -247,41 +170,6 @@ Allowed apply_flight_recorder(Options& options, Values values) {
   return std::nullopt;
 }
 
-Allowed apply_take_over_after(Options& options, Values values) {
-  if (values[0] == "never") {
-    options.take_over_ns = 0;
-    return std::nullopt;
-  }
-  const std::optional<std::int64_t> silence = parse_duration_ns(values[0]);
-  if (!silence || *silence < wire_contract::kTakeOverNs || *silence > 60'000'000'000)
-    return "'never' or a time from 200ms to 60s";
-  options.take_over_ns = *silence;
-  return std::nullopt;
-}
-
-Allowed apply_authority(Options& options, Values values) {
-  options.authority.reset();
-  if (values[0].empty()) return std::nullopt;
-  options.authority = etcd::parse_etcd_address(values[0]);
-  if (options.authority) return std::nullopt;
-  return "etcd://HOST:PORT, up to 16 of them as HOST:PORT,HOST:PORT, then /KEY or nothing";
-}
-
-Allowed apply_authority_mode(Options& options, Values values) {
-  if (values[0] != "strict" && values[0] != "fast") return "'strict' or 'fast'";
-  options.authority_mode = values[0] == "fast" ? TakeOverMode::fast : TakeOverMode::strict;
-  return std::nullopt;
-}
-
-Allowed apply_authority_lease(Options& options, Values values) {
-  constexpr std::int64_t kSecondNs = 1'000'000'000;
-  const std::optional<std::int64_t> life = parse_duration_ns(values[0]);
-  const bool is_good = life && *life >= 2 * kSecondNs && *life <= 60 * kSecondNs && *life % kSecondNs == 0;
-  if (!is_good) return "whole seconds from 2s to 60s";
-  options.authority_lease_s = static_cast<int>(*life / kSecondNs);
-  return std::nullopt;
-}
-
 Allowed apply_audit(Options& options, Values values) {
   constexpr std::string_view kOneIn = "1/";
   if (values[0] == "off") {
@@ -306,26 +194,9 @@ Allowed apply_domain(Options& options, Values values) {
   return apply_whole(options.domain, values, 0, wire_contract::kLastDomain);
 }
 
-/// Whether a word has only the letters of addresses and interfaces: it becomes part of DDS's own configuration.
-bool is_network_word(const std::string& word) {
-  const auto allowed = [](char c) {
-    return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
-           std::string_view("._-:%[]").find(c) != std::string_view::npos;
-  };
-  return !word.empty() && std::all_of(word.begin(), word.end(), allowed);
-}
-
 Allowed apply_interface(Options& options, Values values) {
   if (!is_network_word(values[0])) return "'lo', 'auto' or the name of a network interface";
   options.interface = values[0];
-  return std::nullopt;
-}
-
-Allowed apply_member(Options& options, Values values) {
-  constexpr std::size_t kMostLetters = 64;
-  if (!values[0].empty() && (values[0].size() > kMostLetters || !is_network_word(values[0])))
-    return "1 to 64 letters, digits and '.', '_', '-'";
-  options.member = values[0];
   return std::nullopt;
 }
 
@@ -354,11 +225,15 @@ Allowed apply_log_level(Options& options, Values values) {
   return "trace, debug, info, warn, error or off";
 }
 
-Allowed apply_log_json(Options& options, Values values) {
+Allowed apply_truth(bool& field, Values values) {
   if (values[0] != "true" && values[0] != "false") return "true or false";
-  options.log_json = values[0] == "true";
+  field = values[0] == "true";
   return std::nullopt;
 }
+
+Allowed apply_fresh(Options& options, Values values) { return apply_truth(options.is_fresh, values); }
+
+Allowed apply_log_json(Options& options, Values values) { return apply_truth(options.log_json, values); }
 
 constexpr Setting kSettings[] = {
     {"server.namespace", "--namespace", "COLLIDED_NAMESPACE", "collided", "NAME",
@@ -372,30 +247,27 @@ constexpr Setting kSettings[] = {
     {"server.state_dir", "--state-dir", "COLLIDED_STATE_DIR", "", "DIR",
      "keeps the epoch, the journal, uploads and flight records; default: the user's state folder", false,
      apply_state_dir},
+    {"server.fresh", "--fresh", "COLLIDED_FRESH", "false", "",
+     "start with an empty world: drop what commands before the last stop or crash brought in", false, apply_fresh},
     {"server.standby_of", "--standby-of", "COLLIDED_STANDBY_OF", "", "NAMESPACE",
-     "stand by for the primary of that namespace: hold the same world, take its place where it fails", false,
-     apply_standby_of},
+     "stand by for the primary of that namespace: hold the same world, take its place where it fails", false, nullptr},
     {"server.join", "--join", "COLLIDED_JOIN", "", "NAMESPACE",
-     "be a member of that namespace: stand by where a primary is there, else be the primary", false, apply_join},
+     "be a member of that namespace: stand by where a primary is there, else be the primary", false, nullptr},
     {"server.replica_of", "--replica-of", "COLLIDED_REPLICA_OF", "", "NAMESPACE",
-     "be a replica of the primary of that namespace: hold the same world, answer questions beside it", false,
-     apply_replica_of},
+     "be a replica of the primary of that namespace: hold the same world, answer questions beside it", false, nullptr},
     {"server.shard", "--shard", "COLLIDED_SHARD", "", "MAP:NAME",
      "be the shard of that name in a shard map, a file or etcd://HOST:PORT/KEY: hold what comes into its box", false,
-     apply_shard},
+     nullptr},
     {"server.take_over_after", "--take-over-after", "COLLIDED_TAKE_OVER_AFTER", "200ms", "TIME",
-     "of a standby: a primary that is silent for so long is replaced; or never", false, apply_take_over_after},
+     "of a standby: a primary that is silent for so long is replaced; or never", false, nullptr},
     {"server.authority", "--authority", "COLLIDED_AUTHORITY", "", "ADDRESS",
-     "etcd://HOST:PORT,.../KEY: only who has its lease there is the primary; see the guide, fleets", false,
-     apply_authority},
+     "etcd://HOST:PORT,.../KEY: only who has its lease there is the primary; see the guide, fleets", false, nullptr},
     {"server.authority_mode", "--authority-mode", "COLLIDED_AUTHORITY_MODE", "strict", "MODE",
-     "a standby takes the place once the primary's lease has ended (strict), or at once (fast)", false,
-     apply_authority_mode},
+     "a standby takes the place once the primary's lease has ended (strict), or at once (fast)", false, nullptr},
     {"server.authority_lease", "--authority-lease", "COLLIDED_AUTHORITY_LEASE", "3s", "TIME",
-     "how long the lease lives; a primary that cannot confirm it for a third of that falls silent", false,
-     apply_authority_lease},
+     "how long the lease lives; a primary that cannot confirm it for a third of that falls silent", false, nullptr},
     {"server.member", "--member", "COLLIDED_MEMBER", "", "NAME",
-     "what collide fleet calls this server; default: the machine's name and the process number", false, apply_member},
+     "what collide fleet calls this server; default: the machine's name and the process number", false, nullptr},
     {"world.scenes", "", "COLLIDED_SCENES", "", "FILES", "scene files, loaded in order", true, apply_scenes},
     {"world.unit", "--unit", "COLLIDED_UNIT", "m", "UNIT", "of the scene files' numbers", false, apply_unit},
     {"world.up", "--up", "COLLIDED_UP", "auto", "AXIS", "of the scene files: y or z; auto: as the format says, else z",

@@ -26,7 +26,7 @@ std::string refusal_text(const std::string& error, const std::string& hint, std:
 Answering::Answering(const Collaborators& with, const dds::Topic<wire::Reply>& replies, const AnsweringOptions& options,
                      Command command)
     : with_(with),
-      past_states_(with.world, options.replica),
+      past_states_(with.world, with.place),
       options_(options),
       epoch_(options.epoch),
       command_(std::move(command)),
@@ -37,12 +37,9 @@ Answering::Answering(const Collaborators& with, const dds::Topic<wire::Reply>& r
       ns_per_cost_(kNsPerCostAtFirst) {
   with_.leases.on_ready([this](AskPointer ask) { enqueue(std::move(ask)); });
   listening_worker_ = std::make_unique<Worker>(*this, kListeningNs);
-  for (unsigned i = 0; i < std::max(1U, options.threads); ++i) {
-    threads_.emplace_back([this] { Worker(*this, kQuestionNs).run(); });
-  }
-  for (std::size_t i = 0; i < std::min(threads_.size(), kMostCostlyThreads); ++i) {
-    costly_threads_.emplace_back([this] { Worker(*this, 0).run_costly(); });
-  }
+  const std::size_t threads = std::max(1U, options.threads);
+  queue_.staff(threads, [this] { Worker(*this, kQuestionNs).run(); });
+  costly_.staff(std::min(threads, kMostCostlyThreads), [this] { Worker(*this, 0).run_costly(); });
 }
 
 Answering::~Answering() {
@@ -81,7 +78,7 @@ void Answering::take(const dds::Taker<wire::Query>& taker, AskPointer* single) {
 }
 
 void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) {
-  while (!stopping_.load() && queue_.has_room()) {
+  while (!stopping_.load() && !holds_.load() && queue_.has_room()) {
     std::array<dds::Sample<wire::Query>*, std::tuple_size_v<decltype(next_)>> room{};
     for (std::size_t i = 0; i < room.size(); ++i) {
       if (!next_[i]) next_[i] = single && spare_ ? std::move(spare_) : pool_.get();
@@ -102,7 +99,7 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
     }
     if (count < room.size()) return;
   }
-  // The rest stays with DDS, which makes the clients wait, until a worker comes back for it.
+  // The rest stays with DDS, which makes the clients wait, until a worker or go_on() comes back for it.
   if (!stopping_.load()) left_in_reader_.store(taker.reader());
 }
 
@@ -119,12 +116,11 @@ const char* Answering::why_not_allowed(const Ask& ask) const {
   return nullptr;
 }
 
-/// Why a replica does not answer now; null where it does, and of any other server.
+/// Why this server does not answer now; null: it does.
 const char* Answering::why_not_answered(const wire::Query& query) const {
-  if (options_.replica == nullptr || static_cast<QuestionKind>(query.kind) == QuestionKind::hello) return nullptr;
-  return options_.replica->is_open() ? nullptr
-                                     : "this replica's world was not found the primary's of late; the primary answers, "
-                                       "and collide fleet shows both";
+  if (static_cast<QuestionKind>(query.kind) == QuestionKind::hello || with_.place.whole_since_ns()) return nullptr;
+  return "this replica's world was not found the primary's of late; the primary answers, "
+         "and collide fleet shows both";
 }
 
 void Answering::route(AskPointer ask, AskPointer* single) {
@@ -148,6 +144,11 @@ void Answering::route(AskPointer ask, AskPointer* single) {
   } else {
     admit(std::move(ask));
   }
+}
+
+void Answering::go_on() {
+  holds_.store(false);
+  take_more();
 }
 
 void Answering::take_more() {
@@ -174,7 +175,7 @@ void Answering::tick(std::vector<std::uint64_t> query_owners) {
                      : fmt::format("sample {} of publisher {:016x} did not come in time; applied: {}",
                                    query.barrier_sequence, query.barrier_publisher, applied));
   }
-  queue_.push_own(ExpireLeases{std::move(query_owners)});
+  if (clients_.size() > 0) queue_.push_own(ExpireLeases{std::move(query_owners)});
 }
 
 void Answering::stop() {
@@ -182,16 +183,14 @@ void Answering::stop() {
   stops_by_ns_.store(steady_ns() + kStopPatienceNs);
   for (AskPointer& ask : with_.write_barriers.take_all()) refuse_later(std::move(ask), "the server is stopping");
   for (AskPointer& ask : with_.leases.take_waiting()) refuse_later(std::move(ask), "the server is stopping");
-  queue_.close();
   // Whoever is in the middle of a question that takes longer is told that the server stops.
   std::promise<void> ended;
   std::thread patience([this, in_time = ended.get_future()] {
     const auto until = std::chrono::steady_clock::time_point(std::chrono::nanoseconds(stops_by_ns_.load()));
     if (in_time.wait_until(until) == std::future_status::timeout) clients_.call_off_all();
   });
-  for (std::thread& thread : threads_) thread.join();
-  costly_.close();  // only now: the workers hand on to it
-  for (std::thread& thread : costly_threads_) thread.join();
+  queue_.finish();
+  costly_.finish();  // only now: the workers hand on to it
   ended.set_value();
   patience.join();
 }

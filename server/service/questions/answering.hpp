@@ -11,9 +11,9 @@
 #include <vector>
 
 #include "idl/dds.hpp"
-#include "server/service/questions/replica_readiness.hpp"
 #include "server/service/questions/background_audit.hpp"
 #include "server/service/questions/clients.hpp"
+#include "server/service/questions/command_ask.hpp"
 #include "server/service/questions/overload.hpp"
 #include "server/service/questions/participants.hpp"
 #include "server/service/questions/past_states.hpp"
@@ -25,7 +25,7 @@
 #include "server/service/runtime/clock.hpp"
 #include "server/service/runtime/counters.hpp"
 #include "server/service/runtime/fair_queue.hpp"
-#include "server/service/runtime/serving_term.hpp"
+#include "server/service/runtime/place.hpp"
 #include "server/world/groups/part_meshes.hpp"
 #include "server/world/world.hpp"
 
@@ -42,19 +42,6 @@ struct AnsweringOptions {
   const Overload* overload = nullptr;  // null: never overloaded
   FlightRecorder* flight = nullptr;    // records every question and reply; null: none
   KeyedPeers* peers = nullptr;         // who may what; null: no keys
-  const ReplicaReadiness* replica = nullptr;  // of a replica: whether it may answer; null: it is none
-  const ServingTerm* term = nullptr;          // once it is over no answer is written; null: it never is
-};
-
-/// A command as received; see idl/commands.hpp.
-struct CommandAsk {
-  std::uint64_t client = 0;
-  std::uint64_t request = 0;
-  std::string text;
-  std::vector<std::byte> blob;  // a Shape of scene.fbs, or empty
-  QuerySender from{.participant = 0,
-                   .peer = nullptr,
-                   .rights = 0xff};  // whose it is; a command that is carried out again was allowed once
 };
 
 /// The text of a refusal: {"error": ..., "hint": ...}, the hint only where it is not empty.
@@ -79,6 +66,7 @@ class Answering {
     BackgroundAudit& audit;
     PartMeshes& part_meshes;
     QuestionSamples& samples;
+    const Place& place;  // once it may not publish any more, no answer is written
   };
 
   /// Starts the workers. `replies` must outlive the Answering.
@@ -89,6 +77,12 @@ class Answering {
   /// For the query reader's listener: takes, stamps and hands over. Answers the first short question itself, which
   /// saves waking a worker and waiting for the work that the workers have at hand.
   void listen(const dds::Taker<wire::Query>& taker);
+  /// From now on questions stay with DDS, which makes the clients wait, until go_on(): while it is open whether this server
+  /// or another one answers them. Any thread.
+  void hold() { holds_.store(true); }
+  /// Takes what was held. Any thread.
+  void go_on();
+  bool holds() const { return holds_.load(); }
   /// Queues a question that has passed its write barrier. A request in several chunks is admitted with its first one,
   /// which waits for a state to be answered on; from then on none of them is refused for want of room. Any thread.
   void admit(AskPointer ask);
@@ -194,11 +188,11 @@ class Answering {
   std::unique_ptr<Worker> listening_worker_;  // these three: used by the listener's thread alone
   AskPointer spare_;
   ShortQuestions short_questions_;
-  std::atomic<dds_entity_t> left_in_reader_{0};  // a reader with questions for which the queue had no room; 0: none
+  std::atomic<dds_entity_t> left_in_reader_{
+      0};  // a reader with questions that were not taken for want of room or while held; 0: none
+  std::atomic<bool> holds_{false};
   std::atomic<bool> stopping_{false};
   std::atomic<std::int64_t> stops_by_ns_{std::numeric_limits<std::int64_t>::max()};  // steady clock
-  std::vector<std::thread> threads_;
-  std::vector<std::thread> costly_threads_;
 };
 
 }  // namespace collided::engine::service

@@ -80,7 +80,7 @@ bool Answering::put_among_costly(AskPointer& ask, std::int64_t took_ns, bool was
   share.is_begun = was_there;  // it has its room there
   if (costly_.push(share, ask)) return true;
   if (is_begun) return false;
-  const double wait_ns = costly_.waiting_cost() / static_cast<double>(costly_threads_.size());
+  const double wait_ns = costly_.waiting_cost() / static_cast<double>(costly_.most_threads());
   refuse_later(std::move(ask),
                fmt::format("there is no room for it now: {} requests that take long wait already", costly_.waiting()),
                static_cast<std::int64_t>(std::min(wait_ns, 5e9)));
@@ -110,7 +110,7 @@ std::int64_t Answering::retry_after_ns() {
   constexpr double kLeastNs = 10e6;
   constexpr double kMostNs = 5e9;
   const double all_ns = queue_.waiting_cost() * ns_per_cost_.load(std::memory_order_relaxed);
-  const double threads = static_cast<double>(std::max<std::size_t>(1, threads_.size()));
+  const double threads = static_cast<double>(queue_.most_threads());
   return static_cast<std::int64_t>(std::clamp(all_ns / threads / 2, kLeastNs, kMostNs));
 }
 

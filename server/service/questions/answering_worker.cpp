@@ -372,7 +372,7 @@ void Answering::Worker::write_text(Client& client, std::uint64_t request, ReplyS
 }
 
 void Answering::Worker::send(Client& client, bool is_recorded) {
-  if (owner_.options_.term != nullptr && owner_.options_.term->is_over()) {
+  if (!owner_.with_.place.may_publish()) {
     ++owner_.with_.counts.unanswerable;
     return;
   }

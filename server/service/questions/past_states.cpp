@@ -23,7 +23,7 @@ std::variant<std::shared_ptr<const Snapshot>, std::string> PastStates::at(const 
   if (!world_.memory().is_on())
     return "this server remembers no poses (--memory off), so it knows of no instant but the latest";
   const std::int64_t time_ns = time_of(instant, newest);
-  if (replica_ != nullptr && time_ns < replica_->whole_since_ns())
+  if (const auto whole_since_ns = place_.whole_since_ns(); !whole_since_ns || time_ns < *whole_since_ns)
     return "at that instant this replica did not surely hold the primary's world; the primary may know";
   // Making a state takes long. The lock is held for it, so that another question about the same instant waits for this
   // state instead of making its own.

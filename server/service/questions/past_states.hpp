@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "idl/instant.hpp"
-#include "server/service/questions/replica_readiness.hpp"
+#include "server/service/runtime/place.hpp"
 #include "server/world/world.hpp"
 
 namespace collided::engine::service {
@@ -20,9 +20,8 @@ namespace collided::engine::service {
 /// threads  any
 class PastStates {
  public:
-  /// replica  of a replica: since when its states are the primary's; null: it is none
-  explicit PastStates(const World& world, const ReplicaReadiness* replica = nullptr)
-      : world_(world), replica_(replica) {}
+  /// place  since when this server's states hold all that they should
+  PastStates(const World& world, const Place& place) : world_(world), place_(place) {}
 
   /// instant  of any kind but `latest`
   /// newest   what relative instants count from, and what identifies the state for the chunks of one request
@@ -40,7 +39,7 @@ class PastStates {
   std::string why_not(std::int64_t time_ns, const Snapshot& newest) const;
 
   const World& world_;
-  const ReplicaReadiness* const replica_;
+  const Place& place_;
   std::mutex mutex_;
   std::array<Kept, 4> kept_;
   std::size_t next_ = 0;

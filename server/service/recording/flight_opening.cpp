@@ -2,15 +2,24 @@
 
 #include <algorithm>
 #include <cstring>
+#include <nlohmann/json.hpp>
 
 #include "idl/columns.hpp"
+#include "idl/command_table.hpp"
 #include "idl/mcap/format.hpp"
+#include "idl/packed_fences.hpp"
 
 namespace collided::engine::service {
 namespace {
 
+using nlohmann::json;
 using recording::Recorded;
 using wire_contract::kPoseNumbers;
+namespace names = wire_contract::command;
+
+/// Packed bytes in one query; DDS delivers no message above kMaxMessageBytes.
+constexpr std::size_t kMostPacked = wire_contract::kMaxMessageBytes - std::size_t{64} * 1024;
+constexpr const char* kManyFences = R"({"command":"fence","many":true})";
 
 template <class T>
 void fold_as(FlightOpening& opening, std::span<const std::byte> data) {
@@ -18,7 +27,52 @@ void fold_as(FlightOpening& opening, std::span<const std::byte> data) {
   if (wire::read_cdr(data, sample)) opening.fold(*sample);
 }
 
+/// A query that borrows the blob. Of the text as much as fits: more are only packed.
+dds::Sample<wire::Query> query_of(std::uint64_t client, std::string_view text, std::span<const std::uint8_t> blob) {
+  dds::Sample<wire::Query> query;
+  query->client = client;
+  query->kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::command);
+  query->chunk_count = 1;
+  static_cast<void>(dds::set_text(query->text, text));
+  dds::borrow(query->blob, blob);
+  return query;
+}
+
+std::span<const std::uint8_t> octets_of(std::span<const std::byte> bytes) {
+  return {reinterpret_cast<const std::uint8_t*>(bytes.data()), bytes.size()};
+}
+
+bool is_recorded_command(const wire::Query& query) {
+  if (query.kind != static_cast<std::uint8_t>(wire_contract::QuestionKind::command)) return false;
+  const json arguments = json::parse(query.text, nullptr, false);
+  const auto what = arguments.is_object() ? arguments.find("command") : arguments.end();
+  if (!arguments.is_object() || what == arguments.end() || !what->is_string()) return false;
+  const names::CommandSpec* const spec = names::find_command(what->get_ref<const std::string&>());
+  return spec != nullptr && spec->is_recorded_change();
+}
+
 }  // namespace
+
+void write_changes(const Inventory::Changes& changes, std::uint64_t own_commands,
+                   const std::function<void(const wire::Query&)>& put) {
+  std::vector<std::uint8_t> packed;
+  const auto send = [&] {
+    dds::Sample<wire::Query> query = query_of(changes.client, "", packed);
+    query->request = changes.request;
+    query->barrier_sequence = own_commands;
+    put(*query);
+    packed.clear();
+  };
+  const auto add = [&](const json& change, std::span<const std::byte> blob) {
+    const std::string text = change.dump(-1, ' ', false, json::error_handler_t::replace);
+    if (!packed.empty() && packed.size() + text.size() + blob.size() > kMostPacked) send();
+    wire_contract::pack_fence(packed, text, octets_of(blob));
+  };
+  for (const KeptKey& key : changes.erased) add({{"erase", key.text()}}, {});
+  for (const KeptCommand& command : changes.put)
+    add({{"put", command.key.text()}, {"text", command.text}, {"owner", command.owner}}, command.blob);
+  send();
+}
 
 void FlightOpening::fold(std::span<const std::byte> records) {
   while (records.size() >= mcap::kMessagePrefixBytes) {
@@ -32,11 +86,15 @@ void FlightOpening::fold(std::span<const std::byte> records) {
       case Recorded::object: fold_as<wire::Definition>(*this, data); break;
       case Recorded::pose: fold_as<wire::PoseBatch>(*this, data); break;
       case Recorded::query: fold_as<wire::Query>(*this, data); break;
-      case Recorded::reply: fold_as<wire::Reply>(*this, data); break;
+      case Recorded::reply:
+        if (!unanswered_.empty()) fold_as<wire::Reply>(*this, data);
+        break;
       case Recorded::contact: fold_as<wire::ContactShard>(*this, data); break;
-      case Recorded::fence_state: fold_state(data); break;
+      case Recorded::standing_state: fold_as<wire::StandingShard>(*this, data); break;
       case Recorded::status: fold_as<wire::Status>(*this, data); break;
-      default: break;
+      default:
+        if (dds::Sample<wire::Query> query; channel == kInventoryChannel && wire::read_cdr(data, query))
+          fold_changes(*query);
     }
     records = records.subspan(whole);
   }
@@ -105,8 +163,8 @@ void FlightOpening::fold(const wire::Definition& definition) {
   ++objects_;
   const std::uint8_t policy =
       definition.lost_policy & static_cast<std::uint8_t>(~wire_contract::kPolicyEntersWithInstant);
-  publisher->objects[definition.object_number] = {definition.sequence_number, policy, definition.moving,
-                                                  definition.name, std::move(bytes)};
+  publisher->objects[definition.object_number] = {definition.sequence_number, policy, definition.name,
+                                                  std::move(bytes)};
 }
 
 void FlightOpening::fold(const wire::PoseBatch& batch) {
@@ -135,26 +193,68 @@ void FlightOpening::fold(const wire::PoseBatch& batch) {
   }
 }
 
+void FlightOpening::fold(const wire::Query& query) {
+  if (!is_recorded_command(query)) return;
+  const recording::CommandNumber number{query.client, query.request};
+  if (query.client != 0) noted_.push_back(number);
+  if (noted_.size() > kMostNoted) noted_.pop_front();
+  unanswered_.push_back({number, wire::cdr_bytes(query)});
+  if (unanswered_.size() <= kMostUnanswered) return;
+  unanswered_.pop_front();
+  ++left_out_;
+}
+
 void FlightOpening::fold(const wire::Reply& reply) {
-  commands_.answered(reply,
-                     [this](const std::string* name, bool moving_only) { return take_published(name, moving_only); });
+  if (reply.request == 0 || reply.status == static_cast<std::uint8_t>(wire_contract::ReplyStatus::progress)) return;
+  std::erase_if(unanswered_, [&](const Unanswered& command) {
+    return command.number == recording::CommandNumber{reply.client, reply.request};
+  });
+}
+
+void FlightOpening::fold_changes(const wire::Query& query) {
+  std::erase_if(unanswered_, [&](const Unanswered& command) {
+    const auto& [client, request] = command.number;
+    return client == 0 ? request <= query.barrier_sequence : client == query.client && request == query.request;
+  });
+  const auto packed = wire_contract::unpack_fences(std::as_bytes(dds::view(query.blob)));
+  if (!packed) return;
+  for (const wire_contract::PackedFence& one : *packed) {
+    const json change = json::parse(one.arguments, nullptr, false);
+    if (!change.is_object()) continue;
+    if (const auto key = KeptKey::parse(change.value("erase", ""))) {
+      kept_.erase(*key);
+      if (key->kind == KeptKind::published) take_published(key->name);
+    }
+    if (const auto key = KeptKey::parse(change.value("put", ""))) {
+      keep({.key = *key,
+            .text = change.value("text", ""),
+            .blob = {one.shape.begin(), one.shape.end()},
+            .owner = change.value("owner", std::uint64_t{0})});
+    }
+  }
+}
+
+/// What becomes of the shards is no part of the world.
+void FlightOpening::keep(KeptCommand command) {
+  if (command.key.kind == KeptKind::succession) return;
+  const bool has_room = command.text.size() < sizeof(wire::Query::text) || command.key.kind == KeptKind::fence;
+  const KeptKey key = command.key;
+  kept_.put(std::move(command));
+  if (has_room && kept_.bytes() <= kMostKeptBytes) return;
+  kept_.erase(key);
+  ++left_out_;
 }
 
 /// Commands remove what lost publishers left, never what a living one has.
-bool FlightOpening::take_published(const std::string* name, bool moving_only) {
-  bool found = false;
-  for (auto& entry : publishers_) {
-    auto& publisher = entry.second;
+void FlightOpening::take_published(const std::string& name) {
+  for (auto& [id, publisher] : publishers_) {
     if (!publisher.lost) continue;
     std::erase_if(publisher.objects, [&](const auto& object) {
-      const Defined& defined = object.second;
-      const bool gone = (name == nullptr || defined.name == *name) && (defined.moving || !moving_only);
-      if (gone) drop(publisher, object.first, defined);
-      found = found || gone;
-      return gone;
+      const bool is_gone = object.second.name == name;
+      if (is_gone) drop(publisher, object.first, object.second);
+      return is_gone;
     });
   }
-  return found;
 }
 
 /// A status says which publishers are lost. One that it no longer lists has left, or was lost long ago and has nothing
@@ -182,26 +282,27 @@ void FlightOpening::fold(const wire::Status& status) {
   }
 }
 
-void FlightOpening::fold_state(std::span<const std::byte> data) {
-  dds::Sample<wire::ContactShard> shard;
-  if (wire::read_cdr(data, shard)) fold_fences(*shard);
-}
+void FlightOpening::fold(const wire::ContactShard& shard) { hold(shard, shard.a._length, contacts_); }
+void FlightOpening::fold(const wire::StandingShard& shard) { hold(shard, shard.objects._length, standing_); }
 
-void FlightOpening::hold(const wire::ContactShard& shard, Shards& shards) {
+template <class Shard>
+void FlightOpening::hold(const Shard& shard, std::size_t row_count, Shards& shards) {
+  // The sum of standing questions is left out. The window has sums of its own, and a reader counts missing events from
+  // the first one.
   if (shard.shard >= wire_contract::kContactShards) return;
   const auto known = shards.find(shard.shard);
   if (known != shards.end()) {
-    contact_bytes_ -= known->second.size();
+    held_bytes_ -= known->second.size();
     shards.erase(known);
   }
-  if (shard.a._length == 0) return;
+  if (row_count == 0) return;
   std::vector<std::byte> bytes = wire::cdr_bytes(shard);
-  // A reader can tell that the shard is missing: the status then counts more contacts.
-  if (contact_bytes_ + bytes.size() > kMostContactBytes) {
+  // A reader can tell that the shard is missing: the status, or the sum, then counts more.
+  if (held_bytes_ + bytes.size() > kMostHeldBytes) {
     ++left_out_;
     return;
   }
-  contact_bytes_ += bytes.size();
+  held_bytes_ += bytes.size();
   shards[shard.shard] = std::move(bytes);
 }
 
@@ -249,9 +350,36 @@ void FlightOpening::write(const std::function<void(Recorded, std::span<const std
     }
     send();  // an empty one too: it carries the newest sample's number
   }
-  commands_.write(put);
+  write_kept(put);
+  for (const Unanswered& command : unanswered_) put(Recorded::query, command.bytes);
   for (const auto& [shard, bytes] : contacts_) put(Recorded::contact, bytes);
-  for (const auto& [shard, bytes] : in_fences_) put(Recorded::fence_state, bytes);
+  for (const auto& [shard, bytes] : standing_) put(Recorded::standing_state, bytes);
+}
+
+void FlightOpening::write_kept(const std::function<void(Recorded, std::span<const std::byte>)>& put) const {
+  std::size_t fence_count = 0;
+  kept_.for_each([&](const KeptCommand& command) { fence_count += command.key.kind == KeptKind::fence ? 1 : 0; });
+  const auto send = [&](std::uint64_t client, std::string_view text, std::span<const std::uint8_t> blob) {
+    put(Recorded::query, wire::cdr_bytes(*query_of(client, text, blob)));
+  };
+  std::uint64_t owner = 0;
+  std::vector<std::uint8_t> packed;
+  const auto send_packed = [&] {
+    if (!packed.empty()) send(owner, kManyFences, packed);
+    packed.clear();
+  };
+  kept_.for_each([&](const KeptCommand& command) {
+    const bool is_fence = command.key.kind == KeptKind::fence;
+    // Of a long polygon's corners there may be more than a text has room for; the bytes of many have.
+    const bool is_single =
+        !is_fence || (fence_count <= kMostSingleFences && command.text.size() < sizeof(wire::Query::text));
+    const bool is_full = packed.size() + command.text.size() + command.blob.size() > kMostPacked;
+    if (is_single || is_full || command.owner != owner) send_packed();
+    owner = is_fence ? command.owner : 0;
+    if (is_single) send(owner, command.text, octets_of(command.blob));
+    else wire_contract::pack_fence(packed, command.text, octets_of(command.blob));
+  });
+  send_packed();
 }
 
 }  // namespace collided::engine::service

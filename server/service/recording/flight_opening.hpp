@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <map>
 #include <span>
@@ -12,21 +13,38 @@
 #include "idl/cdr.hpp"
 #include "idl/recording/opening_commands.hpp"
 #include "idl/recording/recorded_topics.hpp"
-#include "server/service/recording/flight_commands.hpp"
+#include "server/service/durability/inventory.hpp"
 
 namespace collided::engine::service {
 
+/// The channel of what commands changed in the inventory: records of the window that only openings read. A file that a
+/// crash leaves has them, too, and no reader minds them; other files leave them out, since they have the commands.
+inline constexpr std::uint16_t kInventoryChannel = static_cast<std::uint16_t>(recording::kRecordedTopics.size() + 1);
+
+/// Calls put() with queries of no topic that hold these changes, each small enough for a record.
+///
+/// own_commands  how many the server had given itself by then: these changes are of all of them
+void write_changes(const Inventory::Changes& changes, std::uint64_t own_commands,
+                   const std::function<void(const wire::Query&)>& put);
+
 /// The state that a window of records begins with: the newest definition and pose of every object sent before it, the
-/// commands that brought in the others and the fences, the contacts that held, and who was in which fence. It is folded
+/// inventory of what commands had brought in, the contacts that held, and what held of standing questions. It is folded
 /// from the records that leave the window.
 ///
-/// limits   kMostBytes of definitions, kMostContactBytes of contacts and fences; what does not fit is left out and counted
+/// limits   kMostBytes of definitions, kMostKeptBytes of the inventory, kMostHeldBytes of what held; what does not fit is
+///          left out and counted
 /// threads  one
 class FlightOpening {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{32} << 20;
-  static constexpr std::size_t kMostContactBytes = std::size_t{16} << 20;
+  static constexpr std::size_t kMostKeptBytes = std::size_t{64} << 20;
+  static constexpr std::size_t kMostHeldBytes = std::size_t{16} << 20;
   static constexpr std::size_t kMostObjects = 200'000;
+  static constexpr std::size_t kMostUnanswered = 64;
+  static constexpr std::size_t kMostNoted = 4'096;
+  /// So many standing questions are written as a command each, of which one that is refused takes no other with it; more
+  /// of them many in one.
+  static constexpr std::size_t kMostSingleFences = 100;
 
   /// forget_after_ns  for so long a lost publisher's objects stay, before their lost policies apply
   explicit FlightOpening(std::int64_t forget_after_ns = 0) : forget_after_ns_(forget_after_ns) {}
@@ -35,26 +53,29 @@ class FlightOpening {
   void fold(std::span<const std::byte> records);
   void fold(const wire::Definition& definition);
   void fold(const wire::PoseBatch& batch);
-  void fold(const wire::Query& query) { commands_.asked(query); }
+  /// A command counts from its changes on. One that has neither those nor an answer yet is under way.
+  void fold(const wire::Query& query);
   void fold(const wire::Reply& reply);
+  /// Takes one of the queries of write_changes().
+  void fold_changes(const wire::Query& query);
   void fold(const wire::Status& status);
-  void fold(const wire::ContactShard& shard) { hold(shard, contacts_); }
-  void fold_fences(const wire::ContactShard& shard) { hold(shard, in_fences_); }
+  void fold(const wire::ContactShard& shard);
+  void fold(const wire::StandingShard& shard);
 
   /// Calls put(channel, CDR bytes) with what makes the same state again: all definitions, then for each publisher its
-  /// poses with the number of its newest sample, then the commands, then the contacts, then who is in fences.
+  /// poses with the number of its newest sample, then the commands, those under way last, then the contacts, then what
+  /// holds of standing questions. The client of a standing question's command is the one that it goes with; 0: none.
   void write(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
-  /// Numbers of the commands that it has taken into account, the newest ones.
-  std::vector<recording::CommandNumber> noted_commands() const { return commands_.noted(); }
+  /// Numbers of the newest kMostNoted commands of clients that it has taken into account, oldest first.
+  std::vector<recording::CommandNumber> noted_commands() const { return {noted_.begin(), noted_.end()}; }
   /// Samples that had no room; the state that is made again lacks them.
-  std::uint64_t left_out() const { return left_out_ + commands_.left_out(); }
+  std::uint64_t left_out() const { return left_out_; }
 
  private:
   /// An object as defined last; `bytes` is its Definition in CDR.
   struct Defined {
     std::uint64_t sequence = 0;
     std::uint8_t lost_policy = 0;
-    bool moving = false;
     std::string name;
     std::vector<std::byte> bytes;
   };
@@ -74,23 +95,31 @@ class FlightOpening {
     std::unordered_map<std::uint32_t, Defined> objects;  // by object number
     std::unordered_map<std::uint32_t, Posed> poses;      // by object number; may be there before the definition
   };
+  struct Unanswered {
+    recording::CommandNumber number;
+    std::vector<std::byte> bytes;  // its Query in CDR
+  };
   using Shards = std::map<std::uint8_t, std::vector<std::byte>>;  // the newest of each that holds any
-  void fold_state(std::span<const std::byte> data);
-  void hold(const wire::ContactShard& shard, Shards& shards);
+  template <class Shard>
+  void hold(const Shard& shard, std::size_t row_count, Shards& shards);
   Publisher* meet(std::uint64_t id, std::uint64_t incarnation);
   void forget(Publisher& publisher);
   void drop(Publisher& publisher, std::uint32_t number, const Defined& defined);
   bool is_there(const Publisher& publisher, const Defined& defined) const;
-  bool take_published(const std::string* name, bool moving_only);
+  void take_published(const std::string& name);
+  void keep(KeptCommand command);
+  void write_kept(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
 
   std::int64_t forget_after_ns_;
   std::int64_t newest_status_ns_ = 0;  // world time
   std::map<std::uint64_t, Publisher> publishers_;
-  FlightCommands commands_;
+  KeptCommands kept_;
+  std::deque<Unanswered> unanswered_;
+  std::deque<recording::CommandNumber> noted_;
   Shards contacts_;
-  Shards in_fences_;
-  std::size_t contact_bytes_ = 0;  // of both
-  std::size_t bytes_ = 0;          // of definitions
+  Shards standing_;
+  std::size_t held_bytes_ = 0;  // of both
+  std::size_t bytes_ = 0;       // of definitions
   std::size_t objects_ = 0;
   std::size_t poses_ = 0;
   std::uint64_t left_out_ = 0;

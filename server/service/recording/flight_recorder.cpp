@@ -17,8 +17,8 @@ namespace collided::engine::service {
 namespace {
 
 constexpr std::size_t kRingBytes = std::size_t{8} << 20;
-/// The ring holds what comes in within this time at 800 MB/s.
-constexpr std::chrono::milliseconds kPeriod{10};
+/// So often the ring is drained even where little comes.
+constexpr std::chrono::seconds kPeriod{1};
 constexpr int kFatalSignals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 
 std::atomic<FlightRecorder*> at_fatal_signals{nullptr};
@@ -65,8 +65,15 @@ FlightRecorder::FlightRecorder(const std::string& name_space, std::int64_t windo
       ring_(kRingBytes),
       opening_(forget_after_ns),
       window_(window_ns_, [this](std::span<const std::byte> records) { opening_.fold(records); }) {
-  mcap::put_opening(prologue_, recording::library_name(), recording::channels_of(name_space_));
-  mcap::put_channels_in_use(fence_prologue_, recording::channels_of(name_space_));
+  std::vector<mcap::ChannelDescription> channels = recording::channels_of(name_space_);
+  mcap::put_channels_in_use(standing_prologue_, channels);
+  // Without a schema: no reader takes them for queries.
+  channels.push_back({.topic = name_space_ + "/inventory",
+                      .encoding = "cdr",
+                      .schema_name = "collided::Inventory",
+                      .schema_encoding = "",
+                      .schema = ""});
+  mcap::put_opening(prologue_, recording::library_name(), channels);
   thread_ = named_thread("recorder", [this] { run(); });
 }
 
@@ -76,26 +83,48 @@ FlightRecorder::~FlightRecorder() {
     for (const int signal : kFatalSignals) std::signal(signal, SIG_DFL);
   }
   stopping_.store(true);
+  wake_.release();
   thread_.join();
 }
 
 void FlightRecorder::run() {
   while (!stopping_.load()) {
+    const bool is_busy = wake_.try_acquire_for(kPeriod);
+    is_woken_.store(false);
     try {
       const std::lock_guard lock(mutex_);
-      take_over();
+      take_over(!is_busy);
     } catch (const std::bad_alloc&) {
       // What could not be taken over stays in the ring for the next time; what finds no room there is counted.
     }
-    std::this_thread::sleep_for(kPeriod);
   }
 }
 
 /// Moves what the ring has received into the window.
-void FlightRecorder::take_over() {
+void FlightRecorder::take_over(bool gives_back) {
   if (frozen_.load()) return;
-  ring_.drain([&](std::span<const std::byte> record) { window_.add(record, first_of(record).head.log_time); });
+  ring_.drain(gives_back,
+              [&](std::span<const std::byte> record) { window_.add(record, first_of(record).head.log_time); });
   window_.expire(now_ns());
+}
+
+void FlightRecorder::note_own(std::string_view text, std::span<const std::byte> blob) {
+  dds::Sample<wire::Query> query;
+  query->request = ++own_commands_;
+  query->kind = static_cast<std::uint8_t>(wire_contract::QuestionKind::command);
+  query->chunk_count = 1;
+  static_cast<void>(dds::set_text(query->text, text));  // it came in such a field, so it fits
+  dds::borrow(query->blob, std::span(reinterpret_cast<const std::uint8_t*>(blob.data()), blob.size()));
+  note(recording::Recorded::query, *query);
+}
+
+void FlightRecorder::note_changes(const Inventory::Changes& changes) {
+  const bool is_news = !changes.is_empty() || changes.client != 0 || own_commands_ > own_commands_noted_;
+  if (!is_news) return;
+  own_commands_noted_ = own_commands_;
+  // All of one time, so that no file begins between two of them.
+  const std::uint64_t now = now_ns();
+  write_changes(changes, own_commands_, [&](const wire::Query& query) { put(kInventoryChannel, query, now, now); });
 }
 
 FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) {
@@ -117,7 +146,7 @@ FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) 
   {
     // Samples that come meanwhile wait in the ring.
     const std::lock_guard lock(mutex_);
-    take_over();
+    take_over(false);
     FlightOpening opening = opening_;
     std::vector<RecordView> newer;
     window_.for_each_block([&](std::span<const std::byte> records, std::uint64_t, std::uint64_t) {
@@ -137,7 +166,8 @@ FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) 
       writer.write(static_cast<std::uint16_t>(topic), file.from_ns, file.from_ns, data);
     });
     for (const RecordView& record : newer) {
-      writer.write(record.head.channel, record.head.log_time, record.head.publish_time, record.data);
+      if (record.head.channel != kInventoryChannel)
+        writer.write(record.head.channel, record.head.log_time, record.head.publish_time, record.data);
     }
   }
   if (!writer.close()) throw std::runtime_error(output.problem());
@@ -182,7 +212,7 @@ void FlightRecorder::write_crash_file() const {
   const int file = ::open(crash_path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
   if (file < 0) return;
   write_all(file, prologue_.all());
-  if (has_fences_.load(std::memory_order_relaxed)) write_all(file, fence_prologue_.all());
+  if (has_standing_.load(std::memory_order_relaxed)) write_all(file, standing_prologue_.all());
   std::byte prefix[mcap::kChunkPrefixBytes];
   window_.for_each_block([&](std::span<const std::byte> records, std::uint64_t first_time, std::uint64_t last_time) {
     mcap::put_chunk_prefix(prefix, first_time, last_time, records.size(), 0);

@@ -4,7 +4,10 @@
 #include <chrono>
 #include <cstdint>
 #include <mutex>
+#include <semaphore>
+#include <span>
 #include <string>
+#include <string_view>
 #include <thread>
 
 #include "idl/clocks.hpp"
@@ -27,8 +30,10 @@ struct FlightFile {
 /// Remembers what the server took and wrote in its last seconds, and the state that was there before them.
 ///
 /// memory   8 MiB for samples under way; at most 64 MiB for the window (that of a busy server reaches less far back);
-///          at most 96 MiB for definitions, commands and fences from before it, 16 MiB for contacts, 120 bytes for each pose
-/// threads  note() from any, without lock, allocation or waiting; the rest from any
+///          at most 96 MiB for definitions, commands and standing questions from before it, 16 MiB for what held, 120 bytes
+///          for each pose
+/// threads  note() of a topic from any, without lock, allocation or waiting; note_own() and note_changes() from the
+///          world's; the rest from any
 class FlightRecorder {
  public:
   /// name_space  of the recorded topics
@@ -44,10 +49,15 @@ class FlightRecorder {
   /// sent_ns  when it was sent, since 1970; 0: now
   template <class T>
   void note(recording::Recorded topic, const T& sample, std::int64_t sent_ns = 0) noexcept {
-    if (topic >= recording::Recorded::fence_event) has_fences_.store(true, std::memory_order_relaxed);
+    if (topic >= recording::Recorded::standing_event) has_standing_.store(true, std::memory_order_relaxed);
     const std::uint64_t now = now_ns();
-    ring_.put(static_cast<std::uint16_t>(topic), sample, now, sent_ns > 0 ? static_cast<std::uint64_t>(sent_ns) : now);
+    put(static_cast<std::uint16_t>(topic), sample, now, sent_ns > 0 ? static_cast<std::uint64_t>(sent_ns) : now);
   }
+
+  /// Records a command that the server carries out again or after another server: clients' are recorded as they come in.
+  void note_own(std::string_view text, std::span<const std::byte> blob);
+  /// Records what commands have changed in the inventory.
+  void note_changes(const Inventory::Changes& changes);
 
   /// Writes the newest `last_ns`, or all that there is where that is less, as "<stem>_<word>.mcap". Throws
   /// std::runtime_error with the reason where it cannot.
@@ -60,9 +70,14 @@ class FlightRecorder {
   void write_at_fatal_signals();
 
  private:
+  template <class T>
+  void put(std::uint16_t channel, const T& sample, std::uint64_t log_time, std::uint64_t publish_time) noexcept {
+    ring_.put(channel, sample, log_time, publish_time);
+    if (ring_.is_filling() && !is_woken_.exchange(true)) wake_.release();
+  }
   static std::uint64_t now_ns() { return static_cast<std::uint64_t>(wire_contract::since_1970_ns()); }
   void run();
-  void take_over();
+  void take_over(bool gives_back);
   static void on_fatal_signal(int signal);
   void write_crash_file() const;
 
@@ -70,15 +85,19 @@ class FlightRecorder {
   const std::uint64_t window_ns_;
   const std::string stem_;
   const std::string crash_path_;
-  mcap::Bytes prologue_;        // of a crash file
-  mcap::Bytes fence_prologue_;  // follows it where anything was noted of fences
-  std::atomic<bool> has_fences_{false};
+  mcap::Bytes prologue_;           // of a crash file
+  mcap::Bytes standing_prologue_;  // follows it if anything was noted of standing questions
+  std::atomic<bool> has_standing_{false};
+  std::uint64_t own_commands_ = 0;        // since the start
+  std::uint64_t own_commands_noted_ = 0;  // of these, as of the last note_changes()
 
   FlightRing ring_;
   std::mutex mutex_;  // guards window_ and opening_
   FlightOpening opening_;
   FlightWindow window_;
   std::atomic<bool> stopping_{false};
+  std::counting_semaphore<> wake_{0};
+  std::atomic<bool> is_woken_{false};
   std::atomic<bool> frozen_{false};  // a fatal signal is being handled: nothing moves from the ring to the window
   std::thread thread_;
 };

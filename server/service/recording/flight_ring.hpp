@@ -1,10 +1,13 @@
 #pragma once
 
+#include <sys/mman.h>
+
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <memory>
+#include <new>
 #include <span>
 
 #include "idl/cdr.hpp"
@@ -19,9 +22,11 @@ namespace collided::engine::service {
 /// source   the reservation of bounded multi-producer queues (Vyukov, "Bounded MPMC queue"), over bytes
 class FlightRing {
  public:
-  /// room_bytes  a power of two
-  explicit FlightRing(std::size_t room_bytes)
-      : room_(room_bytes), bytes_(std::make_unique<std::byte[]>(room_bytes)) {}  // zero: nothing is ready
+  /// room_bytes  a power of two, several pages
+  explicit FlightRing(std::size_t room_bytes) : room_(room_bytes), bytes_(zero_pages(room_bytes)) {}
+  ~FlightRing() { munmap(bytes_, room_); }
+  FlightRing(const FlightRing&) = delete;
+  FlightRing& operator=(const FlightRing&) = delete;
 
   /// Records a sample, or drops it where there is no room. log_time, publish_time: ns since 1970.
   template <class T>
@@ -35,23 +40,28 @@ class FlightRing {
   }
 
   /// Calls keep(record) with every record that is ready, in order, and frees its room. One thread.
+  ///
+  /// gives_back  the memory of freed room goes back to the system: where little comes
   template <class Keep>
-  void drain(Keep&& keep) {
-    std::uint64_t at = consumed_.load(std::memory_order_relaxed);
+  void drain(bool gives_back, Keep&& keep) {
+    std::uint64_t at = drained_.load(std::memory_order_relaxed);
     while (const std::uint32_t slot = ready(at)) {
       const std::span<const std::byte> record = record_at(at);
       if (!record.empty()) keep(record);
-      // Cleared before the room is freed: a header that is not written yet must read as zero.
-      std::memset(&bytes_[at % room_], 0, slot);
       at += slot;
-      consumed_.store(at, std::memory_order_release);
+      drained_.store(at, std::memory_order_release);
+      free_until(at, gives_back);
     }
+  }
+  /// Whether so much has come that it should be drained soon.
+  bool is_filling() const {
+    return reserved_.load(std::memory_order_relaxed) - freed_.load(std::memory_order_relaxed) > room_ / 8;
   }
   /// Calls see(record) with every record that is ready and leaves them where they are. Safe in a signal handler.
   template <class See>
   void peek(See&& see) const {
-    std::uint64_t at = consumed_.load(std::memory_order_acquire);
-    const std::uint64_t end = at + room_;
+    std::uint64_t at = drained_.load(std::memory_order_acquire);
+    const std::uint64_t end = freed_.load(std::memory_order_acquire) + room_;
     for (std::uint32_t slot = ready(at); slot != 0 && at + slot <= end; slot = ready(at)) {
       const std::span<const std::byte> record = record_at(at);
       if (!record.empty()) see(record);
@@ -82,6 +92,26 @@ class FlightRing {
     return {&bytes_[at % room_] + sizeof(SlotHeader), header(at).record_bytes};
   }
 
+  /// Frees the room of whole pages. It is cleared before, since a header that is not written yet must read as zero.
+  void free_until(std::uint64_t at, bool gives_back) {
+    const std::uint64_t freed = freed_.load(std::memory_order_relaxed);
+    const std::size_t pages = (at - freed) / kPageBytes * kPageBytes;
+    if (pages == 0) return;
+    const std::size_t to_end = std::min(pages, room_ - freed % room_);
+    clear(&bytes_[freed % room_], to_end, gives_back);
+    clear(bytes_, pages - to_end, gives_back);
+    freed_.store(freed + pages, std::memory_order_release);
+  }
+  static void clear(std::byte* from, std::size_t byte_count, bool gives_back) {
+    // Private pages that are given back read as zero.
+    if (!gives_back || madvise(from, byte_count, MADV_DONTNEED) != 0) std::memset(from, 0, byte_count);
+  }
+  static std::byte* zero_pages(std::size_t byte_count) {
+    void* pages = mmap(nullptr, byte_count, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    if (pages == MAP_FAILED) throw std::bad_alloc();
+    return static_cast<std::byte*>(pages);
+  }
+
   std::byte* reserve(std::size_t record_bytes) noexcept {
     const std::size_t slot = slot_of(record_bytes);
     std::uint64_t at = reserved_.load(std::memory_order_relaxed);
@@ -90,7 +120,7 @@ class FlightRing {
       // A record never wraps around: where the end of the ring is too near, the rest of it becomes an empty slot.
       const std::size_t to_end = room_ - at % room_;
       skipped = to_end < slot ? to_end : 0;
-      if (slot > room_ / 4 || at + skipped + slot - consumed_.load(std::memory_order_acquire) > room_) {
+      if (slot > room_ / 4 || at + skipped + slot - freed_.load(std::memory_order_acquire) > room_) {
         dropped_.fetch_add(1, std::memory_order_relaxed);
         return nullptr;
       }
@@ -105,10 +135,13 @@ class FlightRing {
     std::atomic_ref(own.slot_bytes).store(static_cast<std::uint32_t>(slot_of(record_bytes)), std::memory_order_release);
   }
 
+  static constexpr std::size_t kPageBytes = 4'096;
+
   const std::size_t room_;
-  std::unique_ptr<std::byte[]> bytes_;
+  std::byte* const bytes_;  // zero: nothing is ready
   std::atomic<std::uint64_t> reserved_{0};
-  std::atomic<std::uint64_t> consumed_{0};
+  std::atomic<std::uint64_t> drained_{0};
+  std::atomic<std::uint64_t> freed_{0};  // less than a page behind
   std::atomic<std::uint64_t> dropped_{0};
 };
 

@@ -5,12 +5,14 @@
 #include <condition_variable>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <limits>
 #include <mutex>
 #include <optional>
 #include <utility>
 #include <vector>
 
+#include "server/service/runtime/crew.hpp"
 #include "server/service/runtime/ring.hpp"
 
 namespace collided::engine::service {
@@ -42,21 +44,31 @@ class FairQueue {
     flows_.reserve(kFewFlows);
   }
 
+  /// Has threads of its own take the items; each is started when work waits that no other is free for.
+  ///
+  /// body  what each does: calls pop() until that has nothing more
+  void staff(std::size_t most, std::function<void()> body) {
+    const std::lock_guard lock(mutex_);
+    crew_.emplace(most, std::move(body));
+    spare_.store(most, std::memory_order_relaxed);
+  }
+
   /// Adds the server's own work, which goes before all clients' and is not limited: ask has_room_for_own().
   void push_own(Item item) {
     {
       const std::lock_guard lock(mutex_);
+      static_cast<void>(has_hands());
       own_.push_back(std::move(item));
       ++own_count_;
     }
     arrived_.notify_one();
   }
-  /// False: no room for this owner; the item stays as it was.
+  /// False: no room for this owner, or no thread can be started for it; the item stays as it was.
   [[nodiscard]] bool push(const Share& share, Item& item) {
     {
       const std::lock_guard lock(mutex_);
       Flow& flow = flow_of(share.client);
-      if (!share.is_begun && !has_room_for(share, flow)) {
+      if ((!share.is_begun && !has_room_for(share, flow)) || !has_hands()) {
         ++refused_;
         return false;
       }
@@ -91,8 +103,10 @@ class FairQueue {
   /// Whether less than the limit of the server's own work waits.
   bool has_room_for_own() const { return own_count_.load(std::memory_order_relaxed) < limit_; }
   std::size_t waiting() const { return waiting_.load(std::memory_order_relaxed); }
-  /// Threads that wait in pop().
-  std::size_t idle() const { return idle_.load(std::memory_order_relaxed); }
+  /// Threads that wait in pop(), or are not started yet.
+  std::size_t idle() const { return idle_.load(std::memory_order_relaxed) + spare_.load(std::memory_order_relaxed); }
+  /// As of staff().
+  std::size_t most_threads() const { return crew_ ? crew_->most() : 0; }
   std::size_t waiting_bytes() const { return waiting_bytes_.load(std::memory_order_relaxed); }
   double waiting_cost() {
     const std::lock_guard lock(mutex_);
@@ -120,6 +134,11 @@ class FairQueue {
     closed_ = true;
     arrived_.notify_all();
   }
+  /// Closes it, and waits until its threads have taken what is in.
+  void finish() {
+    close();
+    if (crew_) crew_->join();
+  }
 
  private:
   static constexpr std::size_t kFewFlows = 16;
@@ -137,6 +156,14 @@ class FairQueue {
     double finish = 0;      // of the last entry: where the next one starts at the earliest
     Ring<Entry> entries;
   };
+
+  /// Whether a thread will take one more item: starts one where all have work.
+  bool has_hands() {
+    if (!crew_ || closed_ || waiting() + own_count_ < idle_.load(std::memory_order_relaxed)) return true;
+    const bool is_there = crew_->grow();
+    spare_.store(crew_->spare(), std::memory_order_relaxed);
+    return is_there;
+  }
 
   bool has_room_for(const Share& share, const Flow& own) const {
     std::size_t entries = own.entries.size();
@@ -211,12 +238,14 @@ class FairQueue {
   std::atomic<std::size_t> waiting_{0};  // of all flows; read without the lock where it need not be exact
   std::atomic<std::size_t> own_count_{0};
   std::atomic<std::size_t> idle_{0};
+  std::atomic<std::size_t> spare_{0};  // of the crew
   std::atomic<std::uint64_t> refused_{0};
   std::atomic<std::size_t> waiting_bytes_{0};
   double waiting_cost_ = 0;
   std::size_t limit_;
   std::size_t most_bytes_;
   bool closed_ = false;
+  std::optional<Crew> crew_;
 };
 
 }  // namespace collided::engine::service

@@ -9,18 +9,22 @@
 
 namespace collided::engine::service {
 
-/// A thread of that name, which top and gdb show. Where its body finds no memory and takes no care of that itself, the
-/// process ends as end_out_of_memory() says: an exception out of a thread would end it without a word.
+/// Runs the body on this thread under that name, which top and gdb show. Where the body finds no memory and takes no care
+/// of that itself, the process ends as end_out_of_memory() says: an exception out of a thread would end it without a word.
 ///
 /// name  at most 15 characters; must outlive the thread
 template <class Body>
+void serve_here(const char* name, Body&& body) {
+  pthread_setname_np(pthread_self(), name);
+  try {
+    body();
+  } catch (const std::bad_alloc&) { end_out_of_memory(name); }
+}
+
+/// A thread of its own for the same.
+template <class Body>
 std::thread named_thread(const char* name, Body body) {
-  return std::thread([name, body = std::move(body)]() mutable {
-    pthread_setname_np(pthread_self(), name);
-    try {
-      body();
-    } catch (const std::bad_alloc&) { end_out_of_memory(name); }
-  });
+  return std::thread([name, body = std::move(body)]() mutable { serve_here(name, body); });
 }
 
 }  // namespace collided::engine::service

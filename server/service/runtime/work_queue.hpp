@@ -3,10 +3,13 @@
 #include <atomic>
 #include <condition_variable>
 #include <cstddef>
+#include <functional>
 #include <mutex>
 #include <optional>
 #include <utility>
 
+#include "server/service/runtime/crew.hpp"
+#include "server/service/runtime/named_thread.hpp"
 #include "server/service/runtime/ring.hpp"
 
 namespace collided::engine::service {
@@ -19,11 +22,24 @@ class WorkQueue {
  public:
   explicit WorkQueue(std::size_t limit) : limit_(limit) {}
 
-  /// False once the queue is closed: the item would never be taken out.
+  /// Has a thread of its own take the items, one after the other; it is started when the first one comes.
+  ///
+  /// name  as of named_thread()
+  void serve(const char* name, std::function<void(Item)> take) {
+    const std::lock_guard lock(mutex_);
+    crew_.emplace(1, [this, name, take = std::move(take)] {
+      serve_here(name, [&] {
+        while (std::optional<Item> item = pop()) take(std::move(*item));
+      });
+    });
+  }
+
+  /// False once the queue is closed, or where no thread can be started: the item would never be taken out.
   bool push(Item item) {
     {
       const std::lock_guard lock(mutex_);
       if (closed_) return false;
+      if (crew_ && !crew_->grow()) return false;
       items_.push_back(std::move(item));
       size_.fetch_add(1, std::memory_order_relaxed);
     }
@@ -46,6 +62,11 @@ class WorkQueue {
     closed_ = true;
     arrived_.notify_all();
   }
+  /// Closes it, and waits until its thread has taken what is in.
+  void finish() {
+    close();
+    if (crew_) crew_->join();
+  }
 
  private:
   mutable std::mutex mutex_;
@@ -54,6 +75,7 @@ class WorkQueue {
   std::atomic<std::size_t> size_{0};  // read without the lock where it need not be exact
   std::size_t limit_;
   bool closed_ = false;
+  std::optional<Crew> crew_;
 };
 
 }  // namespace collided::engine::service

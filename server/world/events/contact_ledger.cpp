@@ -202,22 +202,24 @@ void ContactLedger::parts(ObjectId a, ObjectId b, EndReason reason, double brack
   end(number_of(a, b), {reason, bracket_low_s, bracket_high_s});
 }
 
-void ContactLedger::touched_and_parted(const FoundContact& found) {
+void ContactLedger::touched_and_parted(const FoundContact& found, bool as_one) {
   if (passes(found.a, found.b)) return;
   if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
   decided_apart(found.a, found.b, found.bracket_low_s, found.bracket_high_s);
-  passed(opened(found), found, is_of_fences_ ? EndReason::crossed : EndReason::separated);
+  passed(opened(found), found, is_of_fences_ ? EndReason::crossed : EndReason::separated, as_one);
 }
 
-void ContactLedger::passed(const OpenContact& opened, const FoundContact& found, EndReason reason) {
+void ContactLedger::passed(const OpenContact& opened, const FoundContact& found, EndReason reason, bool as_one) {
   Event event{.kind = EventKind::began,
               .reason = is_of_fences_ ? reason : EndReason::none,
               .of = opened,
               .bracket_low_s = found.bracket_low_s,
               .bracket_high_s = found.bracket_high_s,
               .relative_velocity = found.relative_velocity,
-              .velocity_error = found.velocity_error};
+              .velocity_error = found.velocity_error,
+              .joins_next = as_one};
   events_.push_back(event);
+  event.joins_next = false;
   event.kind = EventKind::ended;
   event.reason = reason;
   event.relative_velocity.setZero();
@@ -285,17 +287,15 @@ void ContactLedger::retell_unsure(const std::function<bool(const OpenContact&)>&
   }
 }
 
-/// Says of each end whether another object is nearest at once.
-void ContactLedger::mark_nearest() {
-  for (std::size_t i = 0; i < events_.size(); ++i) {
+/// Joins each end to the beginning of another object that is nearest at once.
+void ContactLedger::join_nearest() {
+  for (std::size_t i = 0; i + 1 < events_.size(); ++i) {
     Event& event = events_[i];
-    if (!is_nearest_question(event.of.b)) continue;
-    const auto is_at_once = [&](const Event& next) {
-      return next.of.b == event.of.b && next.kind == EventKind::began && next.bracket_low_s == event.bracket_low_s &&
-             next.bracket_high_s == event.bracket_high_s;
-    };
-    const bool goes_on = event.kind == EventKind::ended && i + 1 < events_.size() && is_at_once(events_[i + 1]);
-    event.of.b_triangle = goes_on ? kNearestGoesOn : 0;
+    const Event& next = events_[i + 1];
+    event.joins_next =
+        event.joins_next || (is_nearest_question(event.of.b) && event.kind == EventKind::ended &&
+                             next.of.b == event.of.b && next.kind == EventKind::began &&
+                             next.bracket_low_s == event.bracket_low_s && next.bracket_high_s == event.bracket_high_s);
   }
 }
 
@@ -320,14 +320,16 @@ void ContactLedger::finish_step() {
     return std::tuple(is_nearest, is_nearest || !is_old_end(e), is_nearest ? 0 : e.of.a, e.of.b);
   };
   std::stable_sort(events_.begin(), events_.end(), [&](const Event& x, const Event& y) { return place(x) < place(y); });
-  if (is_of_fences_) mark_nearest();
+  if (is_of_fences_) join_nearest();
   // A pair may begin several times in a step: an end takes the last beginning before it, an open contact the last of
   // all.
   const std::uint64_t last_before = last_sequence_;
   std::uint64_t passing_episode = 0;
+  bool is_joined = false;
   for (Event& event : events_) {
     if (event.kind == EventKind::persisted) continue;
-    event.sequence = ++last_sequence_;
+    event.sequence = is_joined ? last_sequence_ : ++last_sequence_;
+    is_joined = event.joins_next;
     if (event.kind != EventKind::began) {
       if (event.of.episode == 0) event.of.episode = passing_episode;
       continue;

@@ -86,7 +86,9 @@ class ContactLedger {
   /// A doubt ends: the two are apart.
   void decided_apart(ObjectId a, ObjectId b, double bracket_low_s, double bracket_high_s);
   /// The pair touched within this step and is apart again at its end.
-  void touched_and_parted(const FoundContact& found);
+  ///
+  /// as_one  the two events are parts of one
+  void touched_and_parted(const FoundContact& found, bool as_one = false);
   /// Ends every contact of the object.
   void end_object(ObjectId object, EndReason reason);
   /// Ends every contact of these objects that was not found again in this step and for which end_of(contact).reason is
@@ -193,14 +195,14 @@ class ContactLedger {
     return index_.find(a, b, [&](std::uint32_t number) { return open_[number].a == a && open_[number].b == b; });
   }
   bool is_doubt(std::uint32_t number) const { return open_[number].doubt != Doubt::none; }
-  void mark_nearest();
+  void join_nearest();
   void mark_found(std::uint32_t number);
   void note_found_slot(std::uint32_t slot);
   void end(std::uint32_t number, const ContactEnd& of);
   void open(const OpenContact& opened, const FoundContact& found);
   void goes_on(std::uint32_t number, const FoundContact& found);
   void changes_containment(std::uint32_t number, Contained to, const ContactEnd& when);
-  void passed(const OpenContact& opened, const FoundContact& found, EndReason reason);
+  void passed(const OpenContact& opened, const FoundContact& found, EndReason reason, bool as_one = false);
 
   bool is_of_fences_ = false;
   std::vector<OpenContact> open_;

@@ -13,7 +13,6 @@ namespace collided::engine {
 using codes::Doubt;
 using codes::EndReason;
 using codes::EventKind;
-using codes::kNearestGoesOn;
 
 /// One contact that holds, of objects a < b (by id), from its `began` to its `ended`.
 struct OpenContact {
@@ -46,6 +45,8 @@ struct Event {
   /// between them (new, teleported), or silent for longer than that motion took, counts as resting. Zero for `ended`.
   Vec3 relative_velocity = Vec3::Zero();
   double velocity_error = 0;  // |truth - relative_velocity| <= velocity_error, m/s
+  /// The next event has the same number and is a part of this one: a crossing ends, or another object is nearest.
+  bool joins_next = false;
 };
 
 }  // namespace collided::engine

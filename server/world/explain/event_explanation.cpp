@@ -88,7 +88,7 @@ std::string_view word_of_kind(EventKind kind, bool is_of_fence, ObjectId fence) 
 ExplainedEvent told_event(const RecentEvent& recent, bool is_of_fence) {
   const Event& event = recent.event;
   ExplainedEvent told{.sequence = event.sequence,
-                      .of = is_of_fence ? EventsOf::fences : EventsOf::contacts,
+                      .of = is_of_fence ? EventsOf::standing : EventsOf::contacts,
                       .what = std::string(word_of_kind(event.kind, is_of_fence, event.of.b)),
                       .why = std::string(name_of(event.reason)),
                       .doubt = std::string(name_of(event.of.doubt)),

@@ -14,7 +14,7 @@ namespace {
 std::size_t hash_of(const FenceRule& rule) {
   const std::hash<std::string> hash;
   return hash(rule.carrier) ^ (3 * hash(rule.only)) ^ (5 * hash(rule.skip)) ^
-         (7 * ((std::size_t{rule.mask} << 8) | rule.tells)) ^ rule.owner ^
+         (7 * ((std::size_t{rule.mask} << 8) | rule.detects)) ^ rule.owner ^
          (rule.band ? 11 * hash(rule.band->margin) + std::hash<double>{}(rule.band->within_m) : 0) ^
          (rule.nearest ? 13 * std::hash<double>{}(rule.nearest->within_m) : 0);
 }
@@ -87,7 +87,7 @@ ObjectId FenceTable::add(const FenceDefinition& definition) {
                        .only = definition.only,
                        .skip = definition.skip,
                        .mask = definition.mask,
-                       .tells = definition.tells,
+                       .detects = definition.detects,
                        .owner = definition.owner,
                        .nearest = definition.nearest});
   fence.body = body_of(definition, id(slot));
@@ -104,7 +104,6 @@ void FenceTable::remove(std::uint32_t slot) {
   carried_.erase(slot);
   by_name_.erase(slot);
   FenceRow& fence = fences_[slot];
-  fence.name.clear();
   fence.rule.reset();
   fence.body.reset();
   fence.primitive = {};

@@ -48,9 +48,10 @@ class FenceTable {
   /// Of a slot that holds a fence.
   ObjectId id(std::uint32_t slot) const {
     const FenceRow& fence = fences_[slot];
-    const ObjectId kind = kFenceBit | (fence.rule && fence.rule->nearest ? kNearestBit : 0);
+    const ObjectId kind = kStandingBit | (fence.rule && fence.rule->nearest ? kNearestBit : 0);
     return kind | (static_cast<ObjectId>(fence.generation) << 32) | slot;
   }
+  /// A fence that is gone keeps its name until its slot is used again.
   const std::string& name(std::uint32_t slot) const { return fences_[slot].name; }
   const FenceRule& rule(std::uint32_t slot) const { return *fences_[slot].rule; }
   bool is_band(std::uint32_t slot) const { return rule(slot).band.has_value(); }

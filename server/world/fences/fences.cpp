@@ -1,5 +1,7 @@
 #include "server/world/fences/fences.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -11,6 +13,14 @@ namespace {
 
 bool is_endless_primitive(const Primitive& primitive) { return std::holds_alternative<HalfSpace>(primitive); }
 
+std::string refusal_of(const NearestRule& rule) {
+  if (!(rule.within_m > 0) || !std::isfinite(rule.within_m))
+    return fmt::format("it looks {} m far; a finite distance above 0 is needed", rule.within_m);
+  if (!(rule.hysteresis_m >= 0) || !std::isfinite(rule.reach_m()))
+    return fmt::format("its hysteresis is {} m; a finite distance, 0 or more, is needed", rule.hysteresis_m);
+  return {};
+}
+
 std::string refusal_of(const FenceDefinition& definition) {
   const std::vector<Primitive>& primitives = definition.shape.primitives;
   if (definition.shape.mesh && !definition.solid)
@@ -19,7 +29,7 @@ std::string refusal_of(const FenceDefinition& definition) {
   if (!definition.carrier.empty() && std::any_of(primitives.begin(), primitives.end(), is_endless_primitive))
     return "a half-space has no end, so it cannot move with an object";
   if (definition.nearest) return refusal_of(*definition.nearest);
-  if (definition.tells == 0) return "it tells of nothing; enter, exit and cross are offered";
+  if (definition.detects == 0) return "it detects nothing; enter, exit and cross are offered";
   return {};
 }
 
@@ -41,7 +51,7 @@ std::variant<ObjectId, Refusal> Fences::add(const FenceDefinition& definition) {
   if (definition.margin) {
     margins_.emplace(definition.name, definition);
     new_margins_.push_back(definition.name);
-    return kFenceBit;
+    return kStandingBit;
   }
   const ObjectId id = table_.add(definition);
   if (definition.nearest) nearest_.add(slot_of(id));
@@ -65,7 +75,7 @@ bool Fences::remove(std::string_view name) {
 }
 
 void Fences::remove_row(std::uint32_t fence) {
-  removed_.push_back({table_.id(fence), table_.name(fence)});
+  removed_.push_back(table_.id(fence));
   std::erase(new_, fence);
   drop_pending(table_.id(fence));
   nearest_.remove(fence);
@@ -78,19 +88,12 @@ std::optional<ObjectId> Fences::find(std::string_view name) const {
   return table_.id(*slot);
 }
 
-std::string_view Fences::name(ObjectId fence) const {
-  const std::uint32_t slot = slot_of(fence);
-  if (table_.holds(slot) && table_.id(slot) == fence) return table_.name(slot);
-  const auto found = std::find_if(gone_.begin(), gone_.end(), [&](const GoneFence& gone) { return gone.id == fence; });
-  return found == gone_.end() ? std::string_view() : std::string_view(found->name);
-}
-
 void Fences::begin_step(std::int64_t world_time_ns, const Changes& changes) {
   ledger_.begin_step(world_time_ns, false);
   cost_ = {};
   ++step_;
-  gone_ = std::exchange(removed_, {});
-  for (const GoneFence& fence : gone_) ledger_.end_object(fence.id, EndReason::fence_removed);
+  for (const ObjectId fence : removed_) ledger_.end_object(fence, EndReason::fence_removed);
+  removed_.clear();
   for (const auto& [id, reason] : changes.removed) {
     ledger_.end_object(id, reason);
     drop_pending(id);
@@ -102,14 +105,14 @@ void Fences::begin_step(std::int64_t world_time_ns, const Changes& changes) {
         continue;
       }
       remove_row(fence);
-      gone_.push_back(std::move(removed_.back()));
-      removed_.pop_back();
+      removed_.pop_back();  // it has ended
     }
   }
   for (const auto& [id, is_lost] : changes.lost) {
     drop_pending(id);
     is_lost ? ledger_.lose(id) : ledger_.find_again(id);
     for (const std::uint32_t fence : table_.carried_by(slot_of(id))) {
+      drop_pending(table_.id(fence));
       is_lost ? ledger_.lose(table_.id(fence)) : ledger_.find_again(table_.id(fence));
     }
   }
@@ -124,7 +127,7 @@ void Fences::decide(const StepView& step, const Grid& movers) {
   follow_carriers(step);
   are_fences_still_ = !table_.update_index();
   if (!are_fences_still_) clearings_.forget_all();
-  FenceDecisions decisions(step, table_, ledger_, lists_, pending_, cost_);
+  StandingDecisions decisions(step, table_, ledger_, lists_, pending_, cost_);
   for (const std::uint32_t mover : movers_) {
     find_fences_of(step, mover);
     for (const std::uint32_t fence : found_) consider(step, decisions, fence, mover);
@@ -142,7 +145,7 @@ void Fences::decide(const StepView& step, const Grid& movers) {
   }
   if (is_any_pending()) {
     decide_left_pending(step, decisions);
-    decisions.bands().settle();
+    decisions.settle();
   }
   nearest_.decide(step, movers, cost_);
   cut_short_ += cost_.sweeps_skipped;
@@ -150,7 +153,7 @@ void Fences::decide(const StepView& step, const Grid& movers) {
 }
 
 /// Offers a pair to the decisions, once a step.
-void Fences::consider(const StepView& step, FenceDecisions& decisions, std::uint32_t fence, std::uint32_t mover) {
+void Fences::consider(const StepView& step, StandingDecisions& decisions, std::uint32_t fence, std::uint32_t mover) {
   const ObjectInfo* info = step.rows.info(mover);
   if (info == nullptr) return;
   const OpenContact* open = ledger_.find(info->id, table_.id(fence));
@@ -166,9 +169,9 @@ void Fences::consider(const StepView& step, FenceDecisions& decisions, std::uint
   decide_pair(decisions, fence, mover, std::binary_search(new_.begin(), new_.end(), fence));
 }
 
-void Fences::decide_pair(FenceDecisions& decisions, std::uint32_t fence, std::uint32_t mover, bool is_new) {
+void Fences::decide_pair(StandingDecisions& decisions, std::uint32_t fence, std::uint32_t mover, bool is_new) {
   decisions.decide(fence, mover, is_new);
-  decisions.bands().note_considered(fence, mover, step_);
+  decisions.note_considered(fence, mover, step_);
 }
 
 /// New fences look for their carriers, and fences that wait for one among the new objects.

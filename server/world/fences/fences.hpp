@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "server/world/fences/clearings.hpp"
-#include "server/world/fences/fence_decisions.hpp"
+#include "server/world/fences/standing_decisions.hpp"
 #include "server/world/fences/standing_nearest.hpp"
 
 namespace collided::engine {
@@ -37,8 +37,6 @@ class Fences {
   const FenceTable& table() const { return table_; }
   FenceTable& table() { return table_; }
   std::optional<ObjectId> find(std::string_view name) const;
-  /// Empty: no such fence, or one removed since the last step but one.
-  std::string_view name(ObjectId fence) const;
 
   /// What a step does to objects: taken out of the world with a reason, lost (true) or found again.
   struct Changes {
@@ -76,8 +74,8 @@ class Fences {
   void add_bands(const StepView& step, const FenceDefinition& margin, std::uint32_t object, bool is_new);
   void add_with_inner(std::uint32_t fence, std::vector<std::uint32_t>& to) const;
   Aabb bounds_around(std::uint32_t fence) const;
-  void decide_pair(FenceDecisions& decisions, std::uint32_t fence, std::uint32_t mover, bool is_new);
-  void decide_left_pending(const StepView& step, FenceDecisions& decisions);
+  void decide_pair(StandingDecisions& decisions, std::uint32_t fence, std::uint32_t mover, bool is_new);
+  void decide_left_pending(const StepView& step, StandingDecisions& decisions);
   Aabb bounds_at(const StepView& step, std::uint32_t fence);
   void bind_waiting(const StepView& step);
   void bind(const StepView& step, std::uint32_t fence, std::uint32_t object);
@@ -89,7 +87,7 @@ class Fences {
   void walk_fences(const StepView& step, std::uint32_t mover);
   void find_movers_of(const StepView& step, const Grid& movers, std::uint32_t fence);
   void keep_found_once();
-  void consider(const StepView& step, FenceDecisions& decisions, std::uint32_t fence, std::uint32_t mover);
+  void consider(const StepView& step, StandingDecisions& decisions, std::uint32_t fence, std::uint32_t mover);
 
   FenceTable table_;
   Margins margins_;
@@ -98,16 +96,11 @@ class Fences {
   std::uint64_t step_ = 0;
   ContactLedger ledger_{true};
   StandingNearest nearest_{table_, ledger_};
-  FenceLists lists_;
+  StandingLists lists_;
   StepCost cost_;
   std::uint64_t cut_short_ = 0;
   std::vector<std::uint32_t> new_;  // fences that came, or found their carrier, since the last step
-  struct GoneFence {
-    ObjectId id = 0;
-    std::string name;
-  };
-  std::vector<GoneFence> removed_;  // since the last step
-  std::vector<GoneFence> gone_;     // whose ends are among the events
+  std::vector<ObjectId> removed_;   // since the last step
   Clearings clearings_;
   bool are_fences_still_ = false;  // in this step
   std::vector<std::uint32_t> movers_;

@@ -82,7 +82,8 @@ void Fences::add_bands(const StepView& step, const FenceDefinition& margin, std:
   // Parts of a scene share one mesh, and have no body that distances could be measured from.
   if (info->scene_part != kNoScenePart) return;
   const auto is_of = [&](const std::string& glob) { return wire_contract::glob_matches(glob, info->name); };
-  if (!is_of(margin.margin->around) && (info->moving || !is_of(margin.only))) return;
+  const bool is_looked_at = is_of(margin.only) && (info->filter.layers & margin.mask) != 0;
+  if (!is_of(margin.margin->around) && (info->moving || !is_looked_at)) return;
   if (!margin.skip.empty() && is_of(margin.skip)) return;
   const std::vector<double>& bands = margin.margin->bands_m;
   if (table_.count() + bands.size() > FenceTable::kMost) {
@@ -95,7 +96,7 @@ void Fences::add_bands(const StepView& step, const FenceDefinition& margin, std:
                    .only = margin.only,
                    .skip = margin.skip,
                    .mask = margin.mask,
-                   .tells = margin.tells,
+                   .detects = margin.detects,
                    .owner = margin.owner};
     rule.band = BandRule{.margin = margin.name,
                          .around = margin.margin->around,
@@ -134,7 +135,7 @@ Aabb Fences::bounds_around(std::uint32_t fence) const {
 }
 
 /// What was pending and met nobody in this step, though one of the two moved: it was put elsewhere.
-void Fences::decide_left_pending(const StepView& step, FenceDecisions& decisions) {
+void Fences::decide_left_pending(const StepView& step, StandingDecisions& decisions) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> left;
   for (auto& [pair, turned] : pending_) {
     const std::uint32_t fence = slot_of(pair.second);

@@ -4,24 +4,15 @@
 #include <cmath>
 #include <limits>
 
-#include "idl/clocks.hpp"
-#include "server/geometry/guess_tolerance.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/fences/nearest_decisions.hpp"
+#include "server/world/fences/standing_piece.hpp"
 
 namespace collided::engine {
 namespace {
 
-/// Width of brackets: reported times are whole nanoseconds.
-constexpr double kNearestWidth_s = 1e-9;
-/// Looks at three bodies that one search may take, and those of a step together before each has only the least.
-constexpr std::uint32_t kMostNearestLooks = 1'000;
-constexpr std::uint32_t kNearestLooksOfStep = 200'000;
-constexpr std::uint32_t kLeastNearestLooks = 100;
-
-bool is_resting(const GapBody& body) {
-  return body.motion.turn_rad == 0 && body.motion.from.position == body.motion.to.position;
-}
+/// Of looks at three bodies.
+constexpr LookBudget kNearestLooks{.most = 1'000, .of_step = 200'000, .least = 100};
 
 }  // namespace
 
@@ -141,14 +132,12 @@ std::optional<BracketNs> NearestDecisions::first_time_in_part(const NearestAsked
   const double length_ns = static_cast<double>(part.to_ns - part.from_ns);
   bool is_cut_short = false;
   std::int64_t low_ns = part.to_ns;
-  if (!is_resting(about) || !is_resting(other) || !is_resting(nearest)) {
+  if (!is_resting(about.motion) || !is_resting(other.motion) || !is_resting(nearest.motion)) {
     const GapSide side = nearer == kNone ? GapSide{nullptr, asked.rule.reach_m()} : GapSide{&other, 0};
     const GapSide bar = asked.nearest == kNone ? GapSide{nullptr, asked.rule.within_m}
                                                : GapSide{&nearest, nearer == kNone ? 0 : -asked.rule.hysteresis_m};
-    const std::uint32_t left = kNearestLooksOfStep - std::min(kNearestLooksOfStep, cost_.sweep_looks);
-    const GapOptions options{.width = std::clamp(kNearestWidth_s / (length_ns * wire_contract::kNanosecond_s),
-                                                 kNarrowestBracket, kWidestBracket),
-                             .most_looks = std::clamp(left, kLeastNearestLooks, kMostNearestLooks),
+    const GapOptions options{.width = bracket_width(part.from_ns, part.to_ns),
+                             .most_looks = kNearestLooks.after(cost_.sweep_looks),
                              .looks = &cost_.sweep_looks};
     ++cost_.swept;
     const NearerTime time = first_nearer(about, side, bar, options, walk_);

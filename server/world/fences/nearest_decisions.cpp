@@ -4,14 +4,13 @@
 #include <cmath>
 
 #include "server/geometry/tolerance.hpp"
+#include "server/world/fences/standing_piece.hpp"
 
 namespace collided::engine {
 namespace {
 
 /// Changes of one question in one piece of time; more are left for the next.
 constexpr std::uint32_t kMostChanges = 1'000;
-
-BracketNs at_once(std::int64_t time_ns) { return {time_ns, time_ns}; }
 
 }  // namespace
 

@@ -8,6 +8,7 @@
 #include "server/exact_phase/distance/box_contact.hpp"
 #include "server/exact_phase/overlap/separation_filter.hpp"
 #include "server/exact_phase/part_convex.hpp"
+#include "server/geometry/common_origin.hpp"
 #include "server/geometry/placing_error.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/objects/placed_box.hpp"
@@ -323,9 +324,7 @@ bool search_balls(const Placed& a, const Placed& b, ContactSearch& touch) {
   return true;
 }
 
-}  // namespace
-
-void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
+void search_in_place(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   if (search_boxes(a, b, touch) || search_balls(a, b, touch)) return;
   const Aabb near = a.info->rare->parts ? bounds_near(b, a.bounds) : Aabb{};
   visit_primitives_near(*a.info, a.frame, near, cost, [&](const Primitive& primitive) {
@@ -335,6 +334,24 @@ void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, Walk
   if (touch.done() || !a.info->mesh) return;
   search_mesh_primitives(a, b, touch, cost);
   if (!touch.done() && b.info->mesh) search_meshes(a, b, touch, cost);
+}
+
+}  // namespace
+
+SeenPlaced::SeenPlaced(const Vec3& origin, const Placed& object) : placed_(object) {
+  placed_.frame = seen_from(origin, object.frame);
+  placed_.bounds = seen_from(origin, object.bounds);
+  if (object.pose == nullptr) return;
+  pose_ = seen_from(origin, *object.pose);
+  placed_.pose = &pose_;
+}
+
+void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
+  const Vec3 origin = common_origin(b.frame.position, {a.frame.position});
+  // Pairs of triangles that overlap are wanted as placed in the world.
+  if (origin.isZero(0) || touch.met != nullptr) return search_in_place(a, b, touch, cost);
+  search_in_place(SeenPlaced(origin, a).placed(), SeenPlaced(origin, b).placed(), touch, cost);
+  touch.move_back_from(origin);
 }
 
 }  // namespace collided::engine

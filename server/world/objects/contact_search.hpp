@@ -15,6 +15,7 @@
 #include "server/exact_phase/given/margin.hpp"
 #include "server/exact_phase/overlap/overlap.hpp"
 #include "server/geometry/aabb.hpp"
+#include "server/geometry/common_origin.hpp"
 #include "server/geometry/pose.hpp"
 #include "server/world/objects/deadline.hpp"
 #include "server/world/objects/object.hpp"
@@ -39,6 +40,20 @@ struct Placed {
   }
 };
 
+/// A placed object in coordinates that count from an origin (common_origin.hpp).
+class SeenPlaced {
+ public:
+  SeenPlaced(const Vec3& origin, const Placed& object);
+  SeenPlaced(const SeenPlaced&) = delete;
+  SeenPlaced& operator=(const SeenPlaced&) = delete;
+
+  const Placed& placed() const { return placed_; }
+
+ private:
+  Placed placed_;
+  Pose pose_;  // what placed_.pose points to
+};
+
 /// A triangle of one mesh and one of another, by number.
 using TrianglePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
@@ -59,6 +74,10 @@ struct ContactSearch {
 
   /// No further pair can change the answer, or the time is over.
   bool done() const { return (yes && !wanted) || (deadline != nullptr && deadline->is_over()); }
+  /// The contact, found in coordinates that count from the origin, gets those of the world.
+  void move_back_from(const Vec3& origin) {
+    if (yes && wanted) contact.point = back_from(origin, contact.point);
+  }
 };
 
 /// Tests two parts in world coordinates; a triangle gives its number, a primitive kNoTriangle. Where their placing rounds
@@ -70,7 +89,10 @@ void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_
 /// Tests a primitive in world coordinates against an object; `given` is the primitive as it was given.
 void search_object(const Primitive& a, const GivenPart& given, const Placed& b, ContactSearch& touch, WalkCost& cost);
 
-/// Tests two objects; the contact's normal points from a to b.
+/// Tests two objects; the contact's normal points from a to b. Far from the world's origin both are seen from b's place, so
+/// that placing them rounds no more than near it.
+///
+/// touch  has found nothing yet
 void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost);
 
 /// Of a walk that goes to its end.

@@ -4,6 +4,8 @@
 #include <limits>
 
 #include "server/exact_phase/motion/lasting_contact.hpp"
+#include "server/geometry/common_origin.hpp"
+#include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
 namespace {
@@ -40,8 +42,7 @@ struct TouchAtTime {
       : t(at_t), a_triangle(at.a_triangle), b_triangle(at.b_triangle), contact(at.contact) {}
   TouchAtTime(double at_t, const TouchAtTime& at) : TouchAtTime(at) { t = at_t; }
 
-  /// Null: it is not known.
-  const Contact* known() const { return contact.normal.isZero(0) ? nullptr : &contact; }
+  bool is_known() const { return !contact.normal.isZero(0); }
   bool is_by_same_parts(const TouchAtTime& other) const {
     return a_triangle == other.a_triangle && b_triangle == other.b_triangle;
   }
@@ -53,7 +54,7 @@ class IntervalSearch {
       : bodies_(bodies),
         limits_(limits),
         times_(times),
-        is_straight_(bodies.a.motion.turn_rad == 0 && bodies.b.motion.turn_rad == 0) {}
+        is_straight_(bodies.a.body().motion.turn_rad == 0 && bodies.b.body().motion.turn_rad == 0) {}
 
   double shortfall(const TouchAtTime& low, const TouchAtTime& high) const;
   void run(const TouchAtEnd& begin, const TouchAtEnd& end, const SweptContact* first);
@@ -72,10 +73,11 @@ class IntervalSearch {
 
 double IntervalSearch::shortfall_by(const TouchAtTime& parts, const TimeSpan& span, const KnownContacts& known) const {
   double least = std::numeric_limits<double>::infinity();
-  any_part(bodies_.a, bodies_.a_first_triangle, parts.a_triangle, [&](const ConvexPart& a) {
-    return any_part(bodies_.b, bodies_.b_first_triangle, parts.b_triangle, [&](const ConvexPart& b) {
-      const double of_these =
-          shortfall_between({a, bodies_.a.motion}, {b, bodies_.b.motion}, span, bodies_.off_m, known);
+  const SweptBody& body_a = bodies_.a.body();
+  const SweptBody& body_b = bodies_.b.body();
+  any_part(body_a, bodies_.a_first_triangle, parts.a_triangle, [&](const ConvexPart& a) {
+    return any_part(body_b, bodies_.b_first_triangle, parts.b_triangle, [&](const ConvexPart& b) {
+      const double of_these = shortfall_between({a, body_a.motion}, {b, body_b.motion}, span, bodies_.off_m, known);
       least = std::min(least, of_these);
       return least == 0;
     });
@@ -89,12 +91,14 @@ double IntervalSearch::shortfall(const TouchAtTime& low, const TouchAtTime& high
   const auto is_one = [](const SweptBody& body, std::uint32_t triangle) {
     return triangle != kNoTriangle || body.primitives.size() == 1;
   };
-  const bool are_same =
-      low.is_by_same_parts(high) && is_one(bodies_.a, low.a_triangle) && is_one(bodies_.b, low.b_triangle);
+  const bool are_same = low.is_by_same_parts(high) && is_one(bodies_.a.body(), low.a_triangle) &&
+                        is_one(bodies_.b.body(), low.b_triangle);
   if (is_straight_ && are_same) return 0;
   const TimeSpan span{low.t, high.t};
-  if (are_same && low.known() != nullptr && high.known() != nullptr) {
-    const double of_both = shortfall_by(high, span, {low.known(), high.known()});
+  if (are_same && low.is_known() && high.is_known()) {
+    const Vec3 at_low = seen_from(bodies_.origin, low.contact.point);
+    const Vec3 at_high = seen_from(bodies_.origin, high.contact.point);
+    const double of_both = shortfall_by(high, span, {&at_low, &at_high, bodies_.contact_off_m});
     if (of_both == 0) return 0;
   }
   const double of_high = shortfall_by(high, span, {});
@@ -183,6 +187,18 @@ void IntervalSearch::run(const TouchAtEnd& begin, const TouchAtEnd& end, const S
 }
 
 }  // namespace
+
+BodiesInMotion::BodiesInMotion(const Side& of_a, const Side& of_b, First find_first, TouchAt find_touch)
+    : origin(common_origin(of_a.body, of_b.body)),
+      a(origin, of_a.body),
+      b(origin, of_b.body),
+      a_first_triangle(of_a.first_triangle),
+      b_first_triangle(of_b.first_triangle),
+      first(find_first),
+      touch_at(find_touch),
+      off_m(2 * (a.body().motion.error_m(of_a.reach_m) + b.body().motion.error_m(of_b.reach_m))),
+      // Moving a point back rounds each coordinate, which is at most twice the origin's.
+      contact_off_m(4 * kRoundoff * origin.norm() * (1 + kBoundSlack)) {}
 
 void find_contact_times(const BodiesInMotion& bodies, const TouchAtEnd& begin, const TouchAtEnd& end,
                         const SweptContact* first, const ContactTimesLimits& limits, ContactTimes& times) {

@@ -32,18 +32,32 @@ struct ContactTimes {
   void clear() { *this = {.intervals = std::move(intervals)}, intervals.clear(); }
 };
 
-/// Two bodies on their motions, and how their contacts are found.
+/// Two bodies on their motions, seen from a common origin, and how their contacts are found.
 struct BodiesInMotion {
-  const SweptBody& a;
-  const SweptBody& b;
+  /// One of the two.
+  struct Side {
+    const SweptBody& body;
+    double reach_m = 0;                // no point of it is farther from its frame's origin
+    std::uint32_t first_triangle = 0;  // of a body that is a part of a scene: its triangles' numbers count from here
+  };
   /// The first contact within the span, of the motion or (its times counted from the end) of the reversed one.
-  FunctionRef<SweptContact(const TimeSpan& span, bool is_reversed)> first;
+  using First = FunctionRef<SweptContact(const TimeSpan& span, bool is_reversed)>;
   /// The deepest pair of parts that touch at that time.
-  FunctionRef<ContactSearch(double t)> touch_at;
-  double off_m = 0;  // how far the placed parts may be from their motions, in all
-  /// Of a body that is a part of a scene: its triangles' numbers count from here.
-  std::uint32_t a_first_triangle = 0;
-  std::uint32_t b_first_triangle = 0;
+  using TouchAt = FunctionRef<ContactSearch(double t)>;
+
+  /// find_first, find_touch  find contacts in world coordinates; must outlive this, as what the sides refer to
+  BodiesInMotion(const Side& of_a, const Side& of_b, First find_first, TouchAt find_touch);
+
+  Vec3 origin;
+  SeenBody a;
+  SeenBody b;
+  std::uint32_t a_first_triangle;
+  std::uint32_t b_first_triangle;
+  First first;
+  TouchAt touch_at;
+  double off_m;  // how far the placed parts may be from their motions, in all
+  double
+      contact_off_m;  // KnownContacts::off_m of points that were moved back to the world and are seen from the origin
 };
 
 /// How far the search goes.

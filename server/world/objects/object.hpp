@@ -24,10 +24,10 @@ inline std::uint32_t slot_of(ObjectId id) { return static_cast<std::uint32_t>(id
 inline std::uint32_t generation_of(ObjectId id) { return static_cast<std::uint32_t>(id >> 32); }
 
 /// A fence has slots of its own.
-using codes::kFenceBit;
-inline bool is_fence(ObjectId id) { return (id & kFenceBit) != 0; }
-/// The generation of an object is less.
-using codes::kNearestBit;
+using codes::kStandingBit;
+inline bool is_fence(ObjectId id) { return (id & kStandingBit) != 0; }
+/// In the id of a fence: it is a question for the nearest object. Generations are less.
+inline constexpr ObjectId kNearestBit = ObjectId{1} << 62;
 inline bool is_nearest_question(ObjectId id) { return is_fence(id) && (id & kNearestBit) != 0; }
 
 using codes::LostPolicy;

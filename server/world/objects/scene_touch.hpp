@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "server/geometry/common_origin.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/objects/contact_search.hpp"
 
@@ -72,14 +73,21 @@ void visit_scene(const StaticScene& scene, const Aabb& near, WalkCost& cost, All
   scene.tree.walk_box(near, candidate, cost);
 }
 
+/// An origin from which the scene's triangles and a frame are seen without rounding (common_origin.hpp).
+inline Vec3 common_origin(const StaticScene& scene, const Frame& frame) {
+  return common_origin(frame.position, {scene.tree.bounds().low, scene.tree.bounds().high});
+}
+
 /// Calls visit(triangle, corners, mover_triangle, mover_corners) for each pair of a static triangle and one of the mesh
-/// at the frame that may meet, or come within gap_m. visit returns bool; false ends the walk.
+/// at the frame that may meet, or come within gap_m; the corners are seen from the origin. visit returns bool; false ends
+/// the walk.
 template <class Visit>
-void visit_scene_pairs(const StaticScene& scene, const IndexedMesh& mesh, const Frame& frame, WalkCost& cost,
-                       Visit&& visit, double gap_m = 0) {
-  PlacedTriangles placed(*mesh.mesh, frame);
+void visit_scene_pairs(const StaticScene& scene, const IndexedMesh& mesh, const Frame& frame, const Vec3& origin,
+                       WalkCost& cost, Visit&& visit, double gap_m = 0) {
+  const Frame seen = seen_from(origin, frame);
+  PlacedTriangles placed(*mesh.mesh, seen);
   const auto candidate = [&](std::uint32_t triangle, std::uint32_t mover_triangle) {
-    return visit(triangle, scene.mesh.triangle(triangle), mover_triangle, placed.at(mover_triangle));
+    return visit(triangle, seen_from(origin, scene.mesh.triangle(triangle)), mover_triangle, placed.at(mover_triangle));
   };
   const double slack_m = placement_slack(frame, 0, mesh.radius_m);
   scene.tree.walk_pairs(mesh.tree, frame.rotation, frame.position, slack_m + gap_m, candidate, cost);

@@ -41,10 +41,10 @@ struct Snapshot {
   std::vector<std::uint8_t> stale;     // 1: the publisher is lost, the pose is frozen
   std::vector<StaleObject> stale_objects;
   std::shared_ptr<const std::vector<Aabb>> covers;  // where the loaded geometry is complete; null: everywhere
-  bool is_shard = false;  // covers is what this one of several servers holds; see doubt_where_not_held()
-  std::shared_ptr<const PairRules> pair_rules;  // which pairs may touch; null: those that filters let pass alone
-  std::shared_ptr<const ParentOf> parents;      // of attached objects; null: there is none
-  bool contacts_truncated = false;              // there are more contacts than the step could report
+  bool covers_without_places = false;               // covers is all that this server holds; see doubt_where_not_held()
+  std::shared_ptr<const PairRules> pair_rules;      // which pairs may touch; null: those that filters let pass alone
+  std::shared_ptr<const ParentOf> parents;          // of attached objects; null: there is none
+  bool contacts_truncated = false;                  // there are more contacts than the step could report
   std::shared_ptr<Grid> grid;  // over all bounds(), or larger ones; shared between snapshots while no object moves
   // How many of ObjectRows' changes it has, of poses and of objects, so that refilling copies only later ones.
   std::uint64_t changes_seen = 0;

@@ -6,22 +6,26 @@
 
 #include "server/exact_phase/distance/contact.hpp"
 #include "server/exact_phase/distance/general_shapes.hpp"
+#include "server/geometry/common_origin.hpp"
 #include "server/geometry/tolerance.hpp"
 
 namespace collided::engine {
 namespace {
 
+/// mover, part  as seen from the origin; sweep.found is in world coordinates
 template <class Part>
-void sweep_any(SphereSweep& sweep, const Part& part, std::uint32_t triangle) {
+void sweep_any(SphereSweep& sweep, const Vec3& origin, const MovingSphere& mover, const Part& part,
+               std::uint32_t triangle) {
   SweptContact& found = sweep.found;
   TimeBracket bracket;
-  const ExactResult verdict = first_contact(sweep.mover, part, sweep.width, bracket);
+  const ExactResult verdict = first_contact(mover, part, sweep.width, bracket);
   ++found.exact_tests;
   if (verdict.decision == Decision::undecided) found.undecided = true;
   if (!verdict.yes()) return;
   if (!found.take(bracket, kNoTriangle, triangle) || !sweep.contacts) return;
-  const Vec3 center = sweep.mover.start + bracket.high * (sweep.mover.end - sweep.mover.start);
-  found.contact = contact(Sphere{.center = center, .radius_m = sweep.mover.radius_m}, part);
+  const Vec3 center = mover.start + bracket.high * (mover.end - mover.start);
+  found.contact = contact(Sphere{.center = center, .radius_m = mover.radius_m}, part);
+  found.contact.point = back_from(origin, found.contact.point);
 }
 
 }  // namespace
@@ -40,20 +44,26 @@ Aabb bounds(const MovingSphere& mover) {
   return bounds(Capsule{.a = mover.start, .b = mover.end, .radius_m = mover.radius_m});
 }
 
-void sweep_part(SphereSweep& sweep, const Triangle& part, std::uint32_t triangle) { sweep_any(sweep, part, triangle); }
+void sweep_part(SphereSweep& sweep, const Triangle& part, std::uint32_t triangle) {
+  const Vec3 origin = common_origin(part.a, {part.b, part.c, sweep.mover.start, sweep.mover.end});
+  sweep_any(sweep, origin, seen_from(origin, sweep.mover), seen_from(origin, part), triangle);
+}
 
 void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost) {
-  visit_primitives_near(*other.info, other.frame, bounds(sweep.mover), cost, [&](const Primitive& primitive) {
-    std::visit([&](const auto& part) { sweep_any(sweep, place(other.frame, part), kNoTriangle); }, primitive);
+  const Vec3 origin = common_origin(other.frame.position, {sweep.mover.start, sweep.mover.end});
+  const MovingSphere mover = seen_from(origin, sweep.mover);
+  const Frame frame = seen_from(origin, other.frame);
+  visit_primitives_near(*other.info, frame, bounds(mover), cost, [&](const Primitive& primitive) {
+    std::visit([&](const auto& part) { sweep_any(sweep, origin, mover, place(frame, part), kNoTriangle); }, primitive);
     return true;
   });
   if (!other.info->mesh) return;
+  const IndexedMesh& mesh = *other.info->mesh;
   const auto candidate = [&](std::uint32_t triangle) {
-    sweep_any(sweep, place(other.frame, other.info->mesh->mesh->triangle(triangle)), triangle);
+    sweep_any(sweep, origin, mover, place(frame, mesh.mesh->triangle(triangle)), triangle);
     return true;
   };
-  const IndexedMesh& mesh = *other.info->mesh;
-  mesh.tree.walk_box(seen_from(other.frame, bounds(sweep.mover), mesh.radius_m), candidate, cost);
+  mesh.tree.walk_box(seen_from(frame, bounds(mover), mesh.radius_m), candidate, cost);
 }
 
 SweptContact turned_round(SweptContact touch) {

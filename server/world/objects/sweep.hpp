@@ -28,7 +28,8 @@ struct SphereSweep {
 Aabb bounds(const MovingSphere& mover);
 
 /// Sweeps the sphere against one triangle, or against all near parts of an object at rest; sweep.found keeps the
-/// earliest.
+/// earliest. Far from the world's origin both are seen from the other's place, where the end of the sphere's way needs no
+/// more digits than near it.
 void sweep_part(SphereSweep& sweep, const Triangle& part, std::uint32_t triangle);
 void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost);
 

@@ -8,10 +8,10 @@
 #include <variant>
 #include <vector>
 
-#include "server/exact_phase/motion/common_origin.hpp"
 #include "server/exact_phase/motion/ground_motion.hpp"
 #include "server/exact_phase/motion/part_motion_filter.hpp"
 #include "server/geometry/aabb.hpp"
+#include "server/geometry/common_origin.hpp"
 #include "server/geometry/tolerance.hpp"
 #include "server/world/objects/contact_search.hpp"
 #include "server/world/objects/scene_touch.hpp"
@@ -63,9 +63,10 @@ std::optional<kernel::MovingCore> moving_core(const PartMotion& part, const kern
 /// tested primitive by primitive.
 class SweptSearch {
  public:
-  SweptSearch(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost,
+  /// origin  from which both are seen; the points of contacts found are in world coordinates
+  SweptSearch(const SweptBody& a, const SweptBody& b, const Vec3& origin, const SweepOptions& options, WalkCost& cost,
               SweptContactOf touch_of)
-      : a_(a), b_(b), options_(options), cost_(cost), contact_of_(touch_of) {}
+      : a_(a), b_(b), origin_(origin), options_(options), cost_(cost), contact_of_(touch_of) {}
 
   /// Every triangle of b belongs to the same touch.
   bool is_one = false;
@@ -115,6 +116,7 @@ class SweptSearch {
 
   const SweptBody& a_;
   const SweptBody& b_;
+  Vec3 origin_;
   const SweepOptions& options_;
   WalkCost& cost_;
   SweptContactOf contact_of_;
@@ -141,7 +143,9 @@ void SweptSearch::meet(const PartMotion& a, std::uint32_t a_triangle, const Part
   const ExactResult verdict = first_contact(a, b, span, options_.width, found, &looks_);
   touch->undecided = touch->undecided || verdict.decision == Decision::undecided;
   if (!verdict.yes()) return;
-  if (touch->take(found, a_triangle, b_triangle) && options_.contacts) touch->contact = contact_at(a, b, found.high);
+  if (!touch->take(found, a_triangle, b_triangle) || !options_.contacts) return;
+  touch->contact = contact_at(a, b, found.high);
+  touch->contact.point = back_from(origin_, touch->contact.point);
 }
 
 /// Tests the pieces of the motion in order of time. near(span, most, found) lists the pairs that may meet in a piece
@@ -155,7 +159,9 @@ void SweptSearch::look(const TimeSpan& span, std::size_t few, std::size_t before
   std::vector<PartPair> found;
   const double length = span.high - span.low;
   const bool is_short = motion_m * length <= kShortPiece * size_m || length < kShortestPiece;
-  const bool is_all = near(span, is_short ? options_.most_looks : kManyPairs * few, found);
+  // If the way is longer than the body, cutting separates the pairs.
+  const std::size_t most = motion_m * length <= size_m ? kManyPairs * few : few;
+  const bool is_all = near(span, is_short ? options_.most_looks : most, found);
   const bool is_few = is_all && (found.size() <= few || found.size() > before / 4 * 3);
   if (!is_few && !is_short) {
     const double middle = span.low + length / 2;
@@ -319,6 +325,7 @@ void SweptSearch::meet_ground(const SweptBody& body, const SweptBody& holder, co
     touch->undecided = touch->undecided || verdict.decision == Decision::undecided;
     if (!verdict.yes() || !touch->take(found, kNoTriangle, kNoTriangle) || !options_.contacts) continue;
     touch->contact = std::visit([&](const auto& shape) { return contact(placed, shape); }, part.at(found.high));
+    touch->contact.point = back_from(origin_, touch->contact.point);
     if (!ground_is_a) touch->contact.normal = -touch->contact.normal;
   }
 }
@@ -366,43 +373,75 @@ SweptBody::SweptBody(const ObjectInfo& info, const BodyMotion& on) : motion(on),
   mesh_placing_m = motion.placing_m(mesh_reach_m);
 }
 
-SweptBody SweptBody::on(const BodyMotion& other) const {
-  SweptBody body = *this;
-  body.motion = other;
-  if (mesh != nullptr) body.mesh_placing_m = other.placing_m(mesh_reach_m);
-  return body;
-}
-
-SweptBody::SweptBody(const StaticScene& scene) : mesh(&scene.mesh), tree(&scene.tree) {}
+SweptBody::SweptBody(const StaticScene& scene) : mesh(&scene.mesh), tree(&scene.tree), is_scene(true) {}
 
 namespace {
 
-void sweep_in_place(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost,
-                    SweptContact& touch) {
-  const auto one = [&](std::uint32_t) { return &touch; };
-  SweptSearch search(a, b, options, cost, one);
-  search.is_one = true;
-  search.run();
-  search.count_looks();
-  touch.is_cut_short = search.is_exhausted();
-  touch.undecided = touch.undecided || touch.is_cut_short;
+/// So many times farther from the world's origin than the two bodies are from each other on their ways. Nearer than that a
+/// coordinate is rounded by less than a billionth of their distance.
+constexpr double kFarFromEachOther = 0x1p20;
+
+/// The corners of a box that contains all places that the body's coordinates are added to.
+std::pair<Vec3, Vec3> places_of(const SweptBody& body) {
+  if (body.is_scene) return {body.tree->bounds().low, body.tree->bounds().high};
+  return {body.motion.from.position, body.motion.to.position};
+}
+
+}  // namespace
+
+Vec3 common_origin(const SweptBody& a, const SweptBody& b) {
+  const Vec3& point = b.is_scene ? a.motion.from.position : b.motion.from.position;
+  const auto [first_a, last_a] = places_of(a);
+  const auto [first_b, last_b] = places_of(b);
+  double away_m = 0;
+  for (const Vec3* other : {&first_a, &last_a, &first_b, &last_b}) away_m += (*other - point).lpNorm<1>();
+  const double far_m = std::clamp(kFarFromEachOther * away_m, std::numeric_limits<double>::min(), kFarOut_m);
+  return common_origin(point, {first_a, last_a, first_b, last_b}, far_m);
+}
+
+SeenBody::SeenBody(const Vec3& origin, const SweptBody& body) : body_(body) {
+  body_.motion = seen_from(origin, body.motion);
+  if (body.motion.given != nullptr) {
+    given_ = seen_from(origin, *body.motion.given);
+    body_.motion.given = &given_;
+  }
+  if (body.mesh != nullptr) body_.mesh_placing_m = body_.motion.placing_m(body.mesh_reach_m);
+}
+
+namespace {
+
+/// Calls search(a, b, origin) with the two bodies as seen from a common origin.
+template <class Search>
+void search_near(const SweptBody& a, const SweptBody& b, Search&& search) {
+  const Vec3 origin = common_origin(a, b);
+  if (origin.isZero(0)) return search(a, b, origin);
+  search(SeenBody(origin, a).body(), SeenBody(origin, b).body(), origin);
 }
 
 }  // namespace
 
 void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptContact& touch) {
-  const CommonOrigin common(a.motion, b.motion);
-  if (!common.is_taken()) return sweep_in_place(a, b, options, cost, touch);
-  sweep_in_place(a.on(common.a()), b.on(common.b()), options, cost, touch);
-  if (touch.yes && options.contacts) touch.contact.point += common.origin();
+  search_near(a, b, [&](const SweptBody& near_a, const SweptBody& near_b, const Vec3& origin) {
+    const auto one = [&](std::uint32_t) { return &touch; };
+    SweptSearch search(near_a, near_b, origin, options, cost, one);
+    search.is_one = true;
+    search.run();
+    search.count_looks();
+    touch.is_cut_short = search.is_exhausted();
+    touch.undecided = touch.undecided || touch.is_cut_short;
+  });
 }
 
 bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost,
                  SweptContactOf touch_of) {
-  SweptSearch search(a, scene, options, cost, touch_of);
-  search.run();
-  search.count_looks();
-  return !search.is_exhausted();
+  bool is_whole = false;
+  search_near(a, scene, [&](const SweptBody& near_a, const SweptBody& near_scene, const Vec3& origin) {
+    SweptSearch search(near_a, near_scene, origin, options, cost, touch_of);
+    search.run();
+    search.count_looks();
+    is_whole = !search.is_exhausted();
+  });
+  return is_whole;
 }
 
 }  // namespace collided::engine

@@ -20,12 +20,29 @@ struct SweptBody {
   const Bvh* tree = nullptr;
   double mesh_reach_m = 0;    // no vertex is farther from the frame's origin, metres
   double mesh_placing_m = 0;  // BodyMotion::placing_m of any vertex
+  bool is_scene = false;      // its own coordinates are those of the world
 
   SweptBody(const ObjectInfo& info, const BodyMotion& on);
   /// A scene's static triangles, in world coordinates, at rest.
   explicit SweptBody(const StaticScene& scene);
-  /// The same body on another motion.
-  SweptBody on(const BodyMotion& other) const;
+};
+
+/// An origin from which both bodies are seen without rounding wherever they are (common_origin.hpp); 0 on each axis where
+/// they are not far out for the distances between them.
+Vec3 common_origin(const SweptBody& a, const SweptBody& b);
+
+/// A body in coordinates that count from an origin.
+class SeenBody {
+ public:
+  SeenBody(const Vec3& origin, const SweptBody& body);
+  SeenBody(const SeenBody&) = delete;
+  SeenBody& operator=(const SeenBody&) = delete;
+
+  const SweptBody& body() const { return body_; }
+
+ private:
+  SweptBody body_;
+  Pose given_;  // what the motion's `given` points to
 };
 
 /// The first contact found so far. Times are fractions of the motion, 0 to 1.

@@ -65,7 +65,7 @@ void doubt_where_unknown(Answers& answers, std::size_t place, Question& question
   answers.reasons[place] = UndecidedReason::not_covered;
   // What is nearest to a box's middle the box need not reach. In another shard's box it would be taken for something that
   // that one answers for: a shard says such a doubt without a place.
-  if (question.snapshot.is_shard && question.asked.kind == QuestionKind::box) return;
+  if (question.snapshot.covers_without_places && question.asked.kind == QuestionKind::box) return;
   answers.not_covered.push_back({.question = static_cast<std::uint32_t>(place), .leaving = *leaving});
 }
 
@@ -109,7 +109,7 @@ void write_answer(Question& question, const double* numbers, const AnswerFilter&
   write_found(answers, place, question);
   note_age(answers, question);
   const Snapshot& snapshot = question.snapshot;
-  if (snapshot.covers && !snapshot.is_shard) doubt_where_not_covered(answers, place, question, numbers);
+  if (snapshot.covers && !snapshot.covers_without_places) doubt_where_not_covered(answers, place, question, numbers);
   UnknownSpace* const unknown = filter.unknown.get();
   if (unknown != nullptr && unknown->is_any) doubt_where_unknown(answers, place, question, numbers, *unknown);
   if (!question.asked.with_hits) question.found.clear();

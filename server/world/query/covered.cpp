@@ -240,7 +240,7 @@ std::optional<Leaving> leaves_covered(const Question& question, const double* n)
 }
 
 void doubt_where_not_held(const Snapshot& snapshot, const Questions& asked, Answers& answers) {
-  if (!snapshot.is_shard) return;
+  if (!snapshot.covers_without_places) return;
   const std::uint32_t stride = numbers_of(asked.kind);
   const std::size_t covered_before = answers.not_covered.size();
   std::size_t first_hit = 0;

@@ -17,7 +17,7 @@ inline bool are_plain_rays(const Snapshot& snapshot, const Questions& asked, con
   if (asked.kind != QuestionKind::ray || asked.mode == HitMode::all) return false;
   if (asked.error_m != 0 || asked.highest != Level::rational || asked.deadline_ns != 0) return false;
   if (!filter.all_open || filter.has_solids || (filter.unknown && filter.unknown->is_any)) return false;
-  return !snapshot.covers || snapshot.is_shard;
+  return !snapshot.covers || snapshot.covers_without_places;
 }
 
 /// numbers  as Questions::numbers

@@ -46,7 +46,7 @@ void PoseMemory::note(const Step& step) {
   epoch_ = step.snapshot.epoch;
   version_ = step.snapshot.version;
   stale_objects_ = step.stale_objects;
-  is_shard_ = step.snapshot.is_shard;
+  covers_without_places_ = step.snapshot.covers_without_places;
   if (pair_rules_ != step.snapshot.pair_rules) pair_rules_ = step.snapshot.pair_rules;
   if (parents_ != step.snapshot.parents) parents_ = step.snapshot.parents;
   if (scenes_ != step.scenes || covers_ != step.snapshot.covers) {
@@ -188,7 +188,7 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
     state->world_time_ns = time_ns;
     state->scenes = scenes_;
     state->covers = covers_;
-    state->is_shard = is_shard_;
+    state->covers_without_places = covers_without_places_;
     // What may touch, and what moves along with what, is a rule of now for any instant.
     state->pair_rules = pair_rules_;
     state->parents = parents_;

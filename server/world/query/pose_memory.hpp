@@ -127,7 +127,7 @@ class PoseMemory {
   std::deque<Life> gone_;     // removed objects, by gone_ns
   SceneList scenes_;
   std::shared_ptr<const std::vector<Aabb>> covers_;
-  bool is_shard_ = false;
+  bool covers_without_places_ = false;
   std::shared_ptr<const PairRules> pair_rules_;
   std::shared_ptr<const ParentOf> parents_;
   std::vector<Known> sources_;

@@ -159,7 +159,7 @@ void World::State::fill(Snapshot& next, std::int64_t world_time_ns) {
   next.settled_ns = sources.settled_ns(world_time_ns);
   next.stale_objects = stale_objects;
   next.covers = covers;
-  next.is_shard = options.held.has_value();
+  next.covers_without_places = options.held.has_value();
   next.pair_rules = pair_rules;
   next.parents = attachments.table();
 }

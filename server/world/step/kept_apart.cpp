@@ -38,7 +38,7 @@ void Decisions::look_for_gap(std::uint32_t mover, const StaticScene& scene, std:
     there_is = !may_meet(info.filter, scene.parts[scene.part_of(triangle)].filter);
     return there_is;
   };
-  visit_scene_pairs(scene, *info.mesh, rows_[mover].frame(), walk_, visit, gap_m);
+  visit_scene_pairs(scene, *info.mesh, rows_[mover].frame(), Vec3::Zero(), walk_, visit, gap_m);
   remember_gap(mover, partner, gap_m, there_is);
 }
 

@@ -75,14 +75,8 @@ bool Decisions::find_intervals(const PairPiece& piece, const TouchAtEnd& begin, 
     return sweep_span(body_of(way.a, way.a_motion), body_of(way.b, way.b_motion), span, width);
   };
   const auto test_at = [&](double t) { return touch_at(piece, piece.a_motion.at(t), piece.b_motion.at(t), nullptr); };
-  const BodiesInMotion bodies{
-      .a = a,
-      .b = b,
-      .first = sweep_from,
-      .touch_at = test_at,
-      .off_m = 2 * (piece.a_motion.error_m(rows_[piece.a].reach_m) + piece.b_motion.error_m(rows_[piece.b].reach_m)),
-      .a_first_triangle = first_triangle_of(piece.a),
-      .b_first_triangle = first_triangle_of(piece.b)};
+  const BodiesInMotion bodies({a, rows_[piece.a].reach_m, first_triangle_of(piece.a)},
+                              {b, rows_[piece.b].reach_m, first_triangle_of(piece.b)}, sweep_from, test_at);
   if (begin.yes && end.yes && surely_touch_throughout(bodies, begin, end)) return false;
   find_contact_times(bodies, begin, end, first, {.width = width, .most = step_.options.max_intervals}, lists_.times);
   return true;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "server/geometry/common_origin.hpp"
 #include "server/world/objects/scene_touch.hpp"
 #include "server/world/step/decisions.hpp"
 
@@ -103,26 +104,33 @@ SweptContact Decisions::sweep_part_piece(const PairPiece& piece, const TimeSpan&
   return is_turned ? turned_round(touch) : touch;
 }
 
-/// Collects the parts that the mover touches at its pose; `only`: of them this one.
+/// Collects the parts that the mover touches at its pose; `only`: of them this one. Far from the world's origin both are
+/// tested as seen from the mover's place.
+///
+/// touches  empty
 void Decisions::touch_scene(const Placed& a, const StaticScene& scene, PartContacts& touches, std::uint32_t only) {
+  const Vec3 origin = common_origin(scene, a.frame);
+  const SeenPlaced seen(origin, a);
+  const Placed& near = seen.placed();
   const auto allowed = [&](std::uint32_t part) {
     return (only == kNoScenePart || part == only) && may_meet(a.info->filter, scene.parts[part].filter);
   };
   const auto test = [&](const auto& part_of_a, const Primitive& own) {
-    const GivenPart given = a.given(own);
+    const GivenPart given = near.given(own);
     visit_scene(scene, bounds_as_given(a.frame, own), walk_, allowed,
                 [&](std::uint32_t triangle, std::uint32_t part, const Triangle& b) {
                   ContactSearch& touch = touches.of(part);
                   if (!touch.done())
-                    search_parts(part_of_a, kNoTriangle, b, triangle - scene.parts[part].first_triangle, touch,
-                                 {given, GivenPart{}});
+                    search_parts(part_of_a, kNoTriangle, seen_from(origin, b),
+                                 triangle - scene.parts[part].first_triangle, touch, {given, GivenPart{}});
                   return true;
                 });
   };
   for (const Primitive& primitive : a.info->primitives) {
-    std::visit([&](const auto& own) { test(place(a.frame, own), primitive); }, primitive);
+    std::visit([&](const auto& own) { test(place(near.frame, own), primitive); }, primitive);
   }
   if (a.info->mesh && overlaps(a.bounds, scene.tree.bounds())) touch_scene_with_mesh(a, scene, touches, only);
+  for (PartContact& found : touches.list()) found.touch.move_back_from(origin);
 }
 
 /// Collects in part_sweeps the parts that the mover meets during its motion. Parts not touched at its end need an entry
@@ -180,24 +188,27 @@ void Decisions::sweep_parts(std::uint32_t mover, const StaticScene& scene) {
     sweep.touch.b_triangle -= sweep.touch.yes ? scene.parts[sweep.part].first_triangle : 0;
 }
 
+/// The contacts' points count from common_origin(scene, a.frame).
 void Decisions::touch_scene_with_mesh(const Placed& a, const StaticScene& scene, PartContacts& touches,
                                       std::uint32_t only) {
   std::size_t open_parts = only == kNoScenePart ? 0 : 1;
   if (only == kNoScenePart) {
     for (const Part& part : scene.parts) open_parts += may_meet(a.info->filter, part.filter) ? 1 : 0;
   }
+  const Vec3 origin = common_origin(scene, a.frame);
+  const SeenPlaced seen(origin, a);
   const auto visit = [&](std::uint32_t triangle, const Triangle& b, std::uint32_t a_triangle, const Triangle& own) {
     const std::uint32_t number = scene.part_of(triangle);
     const Part& part = scene.parts[number];
     if ((only != kNoScenePart && number != only) || !may_meet(a.info->filter, part.filter)) return true;
     ContactSearch& touch = touches.of(number);
     if (touch.done()) return true;
-    const GivenPart given = a.given(a_triangle);
+    const GivenPart given = seen.placed().given(a_triangle);
     search_parts(own, a_triangle, b, triangle - part.first_triangle, touch, {given, GivenPart{}});
     if (touch.done()) --open_parts;
     return open_parts > 0;
   };
-  visit_scene_pairs(scene, *a.info->mesh, a.frame, walk_, visit);
+  visit_scene_pairs(scene, *a.info->mesh, a.frame, origin, walk_, visit);
 }
 
 }  // namespace collided::engine

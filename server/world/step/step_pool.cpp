@@ -2,13 +2,10 @@
 
 #include <pthread.h>
 
+#include <system_error>
 #include <utility>
 
 namespace collided::engine {
-
-StepPool::StepPool(unsigned helpers) {
-  for (unsigned i = 0; i < helpers; ++i) threads_.emplace_back([this] { run(); });
-}
 
 StepPool::~StepPool() {
   {
@@ -20,6 +17,11 @@ StepPool::~StepPool() {
 }
 
 void StepPool::begin_step(Decide decide, std::size_t slot_count) {
+  try {
+    while (threads_.size() < helpers_) threads_.emplace_back([this] { run(); });
+  } catch (const std::system_error&) {
+    // The world's thread and those that run decide all blocks.
+  }
   const std::lock_guard lock(mutex_);
   ++step_;
   slot_count_ = slot_count;

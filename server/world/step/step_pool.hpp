@@ -22,7 +22,8 @@ class StepPool {
   /// Decides a block; `lists` are the thread's own, with this step's boxes.
   using Decide = std::function<void(StepBlock& block, DecisionLists& lists)>;
 
-  explicit StepPool(unsigned helpers);
+  /// The threads are started with the first step that is shared.
+  explicit StepPool(unsigned helpers) : helpers_(helpers) {}
   ~StepPool();
   StepPool(const StepPool&) = delete;
   StepPool& operator=(const StepPool&) = delete;
@@ -38,6 +39,7 @@ class StepPool {
   void run();
   void decide_or_fail(StepBlock& block, DecisionLists& lists);
 
+  const unsigned helpers_;
   std::mutex mutex_;  // for all but threads_
   std::condition_variable came_;
   std::condition_variable done_;

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -11,10 +10,11 @@
 #include "idl/mcap/output.hpp"
 #include "idl/recording/recorded_topics.hpp"
 #include "idl/topics.hpp"
+#include "tests/service/wire/standing_messages.hpp"
 
 namespace collided::test {
 
-/// Writes what a server told, as `collide record` would have it: times in seconds since 1970, a sample a chunk.
+/// Writes what a server reported, as `collide record` would have it: times in seconds since 1970, a sample a chunk.
 class EventRecording {
  public:
   using Kind = wire_contract::EventKind;
@@ -41,10 +41,8 @@ class EventRecording {
   EventRecording(const EventRecording&) = delete;
   EventRecording& operator=(const EventRecording&) = delete;
 
-  /// Whether what follows is about who is in which fence: a is an object, b a fence.
-  void tell_of_fences(bool is_of_fences) { is_of_fences_ = is_of_fences; }
-  void begin_life(std::uint64_t epoch) { epoch_ = epoch; }
-  void name(std::uint64_t id, const std::string& name) { names_[id] = name; }
+  void begin_life(std::uint64_t epoch) { server_.epoch = epoch; }
+  void name(std::uint64_t id, const std::string& name) { server_.names[id] = name; }
 
   void frame(double time_s, std::uint64_t first_sequence, const std::vector<Change>& changes) {
     Columns columns;
@@ -62,8 +60,7 @@ class EventRecording {
     dds::borrow(frame->kinds, kinds);
     dds::borrow(frame->reasons, reasons);
     dds::borrow(frame->shards, shards);
-    put<wire::EventFrame>(is_of_fences_ ? recording::Recorded::fence_event : recording::Recorded::event, time_s, frame,
-                          columns, wire::kEventColumns);
+    put<wire::EventFrame>(recording::Recorded::event, time_s, frame, columns, wire::kEventColumns);
   }
 
   /// The contacts of one shard.
@@ -86,21 +83,36 @@ class EventRecording {
     shard->shard = number;
     shard->as_of_sequence = as_of;
     dds::borrow(shard->began_ns, began);
-    put<wire::ContactShard>(is_of_fences_ ? recording::Recorded::fence_state : recording::Recorded::contact, time_s,
-                            shard, columns, wire::kContactColumns);
+    put<wire::ContactShard>(recording::Recorded::contact, time_s, shard, columns, wire::kContactColumns);
   }
 
   void status(double time_s, std::uint64_t last_sequence, const std::vector<Contact>& contacts = {}) {
     dds::Sample<wire::Status> status;
-    status->server = 1;
-    status->epoch = epoch_;
+    status->server = server_.server;
+    status->epoch = server_.epoch;
     status->world_time_ns = ns(time_s);
     status->last_event_sequence = last_sequence;
     status->state = static_cast<std::uint8_t>(wire_contract::ServerState::ready);
     for (const Contact& contact : contacts)
       status->contact_hash += wire_contract::contact_hash(contact.a, contact.b, contact.episode);
     status->contact_count = static_cast<std::uint32_t>(contacts.size());
-    write(is_of_fences_ ? recording::Recorded::fence_status : recording::Recorded::status, time_s, *status);
+    write(recording::Recorded::status, time_s, *status);
+  }
+
+  void standing_frame(double time_s, std::uint64_t first_sequence, const std::vector<StandingRow>& rows) {
+    auto frame = server_.frame(ns(time_s), first_sequence, rows);
+    write(recording::Recorded::standing_event, time_s, frame.message());
+  }
+  /// What holds, of one shard.
+  void standing_shard(double time_s, std::uint64_t as_of, const std::vector<StandingStay>& stays) {
+    const std::uint8_t number = wire_contract::contact_shard(stays.front().object, stays.front().standing);
+    auto shard = server_.shard(ns(time_s), number, as_of, stays);
+    write(recording::Recorded::standing_state, time_s, shard.message());
+  }
+  /// How much holds, of all shards.
+  void standing_sum(double time_s, std::uint64_t as_of, const std::vector<StandingStay>& stays) {
+    auto sum = server_.sum(ns(time_s), as_of, stays);
+    write(recording::Recorded::standing_state, time_s, sum.message());
   }
 
  private:
@@ -122,8 +134,8 @@ class EventRecording {
 
   template <class T>
   void put(recording::Recorded topic, double time_s, dds::Sample<T>& sample, Columns& columns, wire::Columns<T> named) {
-    sample->server = 1;
-    sample->epoch = epoch_;
+    sample->server = server_.server;
+    sample->epoch = server_.epoch;
     dds::borrow(sample->a, columns.a);
     dds::borrow(sample->b, columns.b);
     dds::borrow(sample->a_triangles, columns.triangles);
@@ -136,9 +148,9 @@ class EventRecording {
     std::vector<std::uint64_t> ids;
     std::vector<std::string> names;
     for (const std::uint64_t id : columns.ids) {
-      if (!names_.contains(id)) continue;
+      if (!server_.names.contains(id)) continue;
       ids.push_back(id);
-      names.push_back(names_.at(id));
+      names.push_back(server_.names.at(id));
     }
     const std::vector<std::uint8_t> packed = wire_contract::pack_names(names);
     dds::borrow(sample->named_ids, ids);
@@ -157,9 +169,7 @@ class EventRecording {
 
   mcap::FileOutput output_;
   mcap::FileWriter writer_;
-  bool is_of_fences_ = false;
-  std::uint64_t epoch_ = 1;
-  std::map<std::uint64_t, std::string> names_;
+  StandingServer server_;
 };
 
 }  // namespace collided::test

@@ -263,43 +263,23 @@ Result<ProbeWatch> Client::watch_probes(const WatchOptions& options) {
   return ProbeWatch(std::make_unique<fake::Queued<ProbeReading>>(fake::server().readings));
 }
 
-Result<void> Client::add_fence(const Fence& fence) {
-  fake::server().fences.push_back(fence);
-  return {};
+Result<AddedStanding> Client::add(const Standing& standing) {
+  fake::server().standing.push_back(standing);
+  return AddedStanding{.parts = fake::server().standing_parts};
 }
-Result<std::size_t> Client::remove_fences(const std::string& name) {
-  return std::erase_if(fake::server().fences, [&](const Fence& fence) { return fence.name == name; });
+Result<std::size_t> Client::remove_standing(const std::string& name, std::optional<StandingForm> form) {
+  return std::erase_if(fake::server().standing, [&](const Standing& standing) {
+    return standing.name == name && (!form || standing.form() == *form);
+  });
 }
-Result<std::vector<ListedFence>> Client::fences(const std::string&) { return fake::server().listed_fences; }
-Result<FenceWatch> Client::watch_fences(const FenceWatchOptions& options) {
-  fake::server().fences_watched_with = options;
-  return FenceWatch(std::make_unique<fake::Queued<FenceEvent>>(fake::server().fence_events));
+Result<std::vector<ListedStanding>> Client::standing(const std::string&, std::optional<StandingForm> form) {
+  std::vector<ListedStanding> listed = fake::server().listed_standing;
+  std::erase_if(listed, [&](const ListedStanding& standing) { return form && standing.form != *form; });
+  return listed;
 }
-
-Result<AddedMargin> Client::add_margin(const Margin& margin) {
-  fake::server().margins.push_back(margin);
-  return AddedMargin{.parts = fake::server().margin_parts};
-}
-Result<std::size_t> Client::remove_margins(const std::string& name) {
-  return std::erase_if(fake::server().margins, [&](const Margin& margin) { return margin.name == name; });
-}
-Result<std::vector<ListedMargin>> Client::margins(const std::string&) { return fake::server().listed_margins; }
-Result<MarginWatch> Client::watch_margins(const MarginWatchOptions& options) {
-  fake::server().margins_watched_with = options;
-  return MarginWatch(std::make_unique<fake::Queued<MarginEvent>>(fake::server().margin_events));
-}
-
-Result<void> Client::add_nearest(const NearestQuestion& nearest) {
-  fake::server().nearest.push_back(nearest);
-  return {};
-}
-Result<std::size_t> Client::remove_nearest(const std::string& name) {
-  return std::erase_if(fake::server().nearest, [&](const NearestQuestion& nearest) { return nearest.name == name; });
-}
-Result<std::vector<ListedNearest>> Client::nearest(const std::string&) { return fake::server().listed_nearest; }
-Result<NearestWatch> Client::watch_nearest(const NearestWatchOptions& options) {
-  fake::server().nearest_watched_with = options;
-  return NearestWatch(std::make_unique<fake::Queued<NearestEvent>>(fake::server().nearest_events));
+Result<StandingWatch> Client::watch_standing(const StandingWatchOptions& options) {
+  fake::server().standing_watched_with = options;
+  return StandingWatch(std::make_unique<fake::Queued<StandingEvent>>(fake::server().standing_events));
 }
 
 Result<ServerStatus> Client::status() {

@@ -50,19 +50,11 @@ struct Server {
   std::vector<Probe> probes;
   std::deque<ProbeReading> readings;  // also what is followed
   WatchOptions probes_watched_with;
-  std::vector<Fence> fences;
-  std::vector<ListedFence> listed_fences;
-  std::deque<FenceEvent> fence_events;
-  FenceWatchOptions fences_watched_with;
-  std::vector<Margin> margins;
-  std::vector<ListedMargin> listed_margins;
-  std::uint64_t margin_parts = 0;  // that a margin added matches
-  std::deque<MarginEvent> margin_events;
-  MarginWatchOptions margins_watched_with;
-  std::vector<NearestQuestion> nearest;
-  std::vector<ListedNearest> listed_nearest;
-  std::deque<NearestEvent> nearest_events;
-  NearestWatchOptions nearest_watched_with;
+  std::vector<Standing> standing;
+  std::vector<ListedStanding> listed_standing;
+  std::uint64_t standing_parts = 0;  // parts of scenes that one that is added matches
+  std::deque<StandingEvent> standing_events;
+  StandingWatchOptions standing_watched_with;
   /// Called on every flush, so that a test can send events back.
   std::string lost;                                             // what each flush reports of a loss
   std::function<void(std::chrono::nanoseconds)> on_keep_alive;  // with the time that was given

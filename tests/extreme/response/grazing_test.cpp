@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/extras/response/collision.hpp"
+#include "client/cli/publish/response/collision.hpp"
 #include "tests/studies/response/event_driven.hpp"
 #include "tests/studies/response/stepper.hpp"
 

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/extras/response/damper.hpp"
+#include "client/cli/publish/response/damper.hpp"
 #include "tests/studies/response/reference.hpp"
 #include "tests/studies/response/stepper.hpp"
 

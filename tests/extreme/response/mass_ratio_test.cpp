@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/extras/response/collision.hpp"
+#include "client/cli/publish/response/collision.hpp"
 #include "tests/studies/response/reference.hpp"
 #include "tests/studies/response/stepper.hpp"
 #include "tests/studies/response/tolerance.hpp"

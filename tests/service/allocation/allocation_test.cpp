@@ -11,7 +11,7 @@
 #include "server/service/ingest/listeners.hpp"
 #include "server/service/ingest/publishers.hpp"
 #include "server/service/questions/answering.hpp"
-#include "server/service/runtime/serving_term.hpp"
+#include "server/service/runtime/place.hpp"
 #include "server/world/solids/declared.hpp"
 #include "tests/service/allocation/counting.hpp"
 #include "tests/service/wire/network.hpp"
@@ -47,8 +47,7 @@ struct ServingSide {
     publishers.stepped();
     test::count_new_listeners(true);
     const std::string name_space = test::own_namespace();
-    listeners.emplace(participant, name_space, name_space, clock, inbox, answering, &flight, nullptr, takes_questions,
-                      term);
+    listeners.emplace(participant, place.asked_as(), clock, inbox, answering, &flight, nullptr, place);
     test::count_new_listeners(false);
   }
   void define(std::uint32_t number) {
@@ -70,8 +69,7 @@ struct ServingSide {
 
   World world{WorldOptions{}};
   WorldClock clock;
-  std::atomic<bool> takes_questions{true};
-  ServingTerm term;
+  Place place{test::own_namespace()};
   WriteBarriers write_barriers;
   SnapshotLeases leases{world};
   QuestionCounts counts;
@@ -87,7 +85,7 @@ struct ServingSide {
   PartMeshes part_meshes;
   QuestionSamples samples;
   Answering answering{
-      {world, clock, write_barriers, leases, counts, audit, part_meshes, samples},
+      {world, clock, write_barriers, leases, counts, audit, part_meshes, samples, place},
       reply_topic,
       AnsweringOptions{
           .server = 1, .epoch = 1, .threads = 1, .recovering = [this] { return allocate(); }, .flight = &flight},

@@ -166,10 +166,11 @@ int disk_full(const std::string& server) {
         bench.client().ask(SphereQuestion{.center = {1'000.0 + 3 * kept, 0, 0}, .radius_m = 1.5});
     serves = serves && last && last->verdict == Verdict::hit;
     bool said =
-        kept < 200 && bench.says("cannot be written: No space left on device; what is added now is lost with a crash");
+        kept < 200 &&
+        bench.says("cannot be written: No space left on device; what is added now is lost when the server ends");
     std::filesystem::remove(others);
     const bool again = !add(500).contains("not_kept");
-    said = said && again && bench.says("is kept over a crash again");
+    said = said && again && bench.says("what is added is kept again");
     code = report("disk_full", bench, serves && bench.serves(), said);
   }
   umount(disk.path().c_str());

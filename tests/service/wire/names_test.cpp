@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "idl/fence_ids.hpp"
+#include "idl/standing_ids.hpp"
 #include "idl/topics.hpp"
 
 namespace collided {
@@ -27,15 +27,24 @@ TEST(Names, ASlotHasOneObjectAtATime) {
   EXPECT_EQ(names.name(kFirst), "#5");
 }
 
-TEST(Names, AFenceInASlotOfTheSameNumberDisplacesNoObject) {
-  constexpr std::uint64_t kObject = 5, kFence = (std::uint64_t{1} << 63) | 5,
-                          kNearest = wire_contract::kNearestBits | 6;
+TEST(Names, AStandingQuestionInASlotOfTheSameNumberDisplacesNoObject) {
+  constexpr std::uint64_t kObject = 5, kStanding = codes::kStandingBit | kObject;
+  EXPECT_TRUE(wire_contract::is_standing_id(kStanding));
+  EXPECT_FALSE(wire_contract::is_standing_id(kObject));
   client::Names names;
-  learn(names, {kObject, kFence, kObject + 1, kNearest}, {"ball", "dock", "cube", "escape"});
+  learn(names, {kObject, kStanding}, {"ball", "dock"});
   EXPECT_EQ(names.name(kObject), "ball");
-  EXPECT_EQ(names.name(kFence), "dock");
-  EXPECT_EQ(names.name(kObject + 1), "cube");
-  EXPECT_EQ(names.name(kNearest), "escape");
+  EXPECT_EQ(names.name(kStanding), "dock");
+}
+
+// The server's own bits above a slot belong to its generation, whatever they mean to it.
+TEST(Names, ASlotHasOneStandingQuestionAtATime) {
+  constexpr std::uint64_t kFirst = codes::kStandingBit | 6, kNext = kFirst | (std::uint64_t{1} << 62);
+  client::Names names;
+  learn(names, {kFirst}, {"dock"});
+  learn(names, {kNext}, {"escape"});
+  EXPECT_EQ(names.name(kNext), "escape");
+  EXPECT_EQ(names.name(kFirst), "#9223372036854775814");
 }
 
 }  // namespace

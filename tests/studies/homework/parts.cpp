@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "client/extras/response/spheres.hpp"
+#include "client/cli/publish/response/spheres.hpp"
 #include "tests/studies/bench/clock.hpp"
 #include "tests/studies/homework/homework_page.hpp"
 

@@ -6,7 +6,7 @@
 #include <random>
 #include <string>
 
-#include "client/extras/response/spheres.hpp"
+#include "client/cli/publish/response/spheres.hpp"
 #include "server/intake/mesh/sphere_mesh.hpp"
 #include "server/world/objects/indexed_mesh.hpp"
 #include "tests/studies/homework/method.hpp"

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "client/extras/response/damper.hpp"
+#include "client/cli/publish/response/damper.hpp"
 #include "tests/studies/response/line.hpp"
 
 namespace collided::response {

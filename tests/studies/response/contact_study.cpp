@@ -9,7 +9,7 @@
 #include <Eigen/Geometry>
 #include <fmt/format.h>
 
-#include "client/extras/response/spheres.hpp"
+#include "client/cli/publish/response/spheres.hpp"
 #include "tests/studies/response/integrators.hpp"
 
 namespace collided::response {

@@ -1,4 +1,4 @@
-#include "client/extras/response/collision.hpp"
+#include "client/cli/publish/response/collision.hpp"
 #include "tests/studies/response/stepper.hpp"
 #include "tests/studies/response/tolerance.hpp"
 

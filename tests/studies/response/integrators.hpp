@@ -2,7 +2,7 @@
 
 #include <string_view>
 
-#include "client/extras/response/spring_contact.hpp"
+#include "client/cli/publish/response/spring_contact.hpp"
 
 namespace collided::response {
 
@@ -27,7 +27,7 @@ void explicit_euler(const SpringPair& pair, RelativeMotion& motion, double secon
 void velocity_verlet(const SpringPair& pair, RelativeMotion& motion, double seconds);
 /// By Newton's method on the place at the end. Stable at any stiffness, and loses what it does not resolve.
 void implicit_euler(const SpringPair& pair, RelativeMotion& motion, double seconds);
-/// The publisher's: client/extras/response/spring_contact.hpp.
+/// The publisher's: client/cli/publish/response/spring_contact.hpp.
 void closed_form(const SpringPair& pair, RelativeMotion& motion, double seconds);
 
 struct NamedIntegrator {

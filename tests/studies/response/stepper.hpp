@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string_view>
 
-#include "client/extras/response/damper.hpp"
+#include "client/cli/publish/response/damper.hpp"
 #include "tests/studies/response/contact_solve.hpp"
 #include "tests/studies/response/episodes.hpp"
 #include "tests/studies/response/line.hpp"

@@ -4,7 +4,7 @@
 #include <functional>
 #include <string_view>
 
-#include "client/extras/response/damper.hpp"
+#include "client/cli/publish/response/damper.hpp"
 #include "tests/studies/response/line.hpp"
 #include "tests/studies/response/stepper.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <map>
 #include <random>
 #include <thread>
@@ -26,6 +27,41 @@ TEST(FairQueue, WhoAsksLittleDoesNotWaitForWhoAsksMuch) {
   ASSERT_TRUE(push(queue, 2, 1, -2));
   EXPECT_EQ(queue.pop(), -2) << "and so is its next one";
   EXPECT_EQ(queue.pop(), 1);
+}
+
+// As many threads as there is work at a time, and not more than allowed.
+TEST(FairQueue, ThreadsComeWhenWorkWaitsThatNoneIsFreeFor) {
+  FairQueue<int> queue(10'000);
+  std::atomic<int> at_work{0};
+  std::atomic<int> done{0};
+  std::atomic<bool> may_end{false};
+  std::atomic<int> started{0};
+  queue.staff(3, [&] {
+    ++started;
+    while (queue.pop()) {
+      ++at_work;
+      while (!may_end.load()) std::this_thread::yield();
+      --at_work;
+      ++done;
+    }
+  });
+  EXPECT_EQ(queue.idle(), 3U);
+  for (int item = 1; item <= 5; ++item) {
+    ASSERT_TRUE(push(queue, 1, 1, item));
+    const int most = std::min(item, 3);
+    while (at_work.load() < most) std::this_thread::yield();
+    EXPECT_EQ(started.load(), most) << item;
+  }
+  EXPECT_EQ(queue.idle(), 0U);
+  EXPECT_EQ(queue.most_threads(), 3U);
+  may_end.store(true);
+  while (done.load() < 5) std::this_thread::yield();
+  // One that is free takes what comes next.
+  while (queue.idle() < 3) std::this_thread::yield();
+  ASSERT_TRUE(push(queue, 1, 1, 6));
+  queue.finish();
+  EXPECT_EQ(started.load(), 3);
+  EXPECT_EQ(done.load(), 6);
 }
 
 TEST(FairQueue, KeepsTheOrderOfEachClient) {

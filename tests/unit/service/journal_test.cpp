@@ -294,26 +294,38 @@ TEST(ServiceJournal, ALossOfPowerIsNotTakenForALossOfWhatWasAcknowledged) {
   EXPECT_GT(torn, 100);
 }
 
-TEST(ServiceJournal, AFileOfBeforeThereWereCountsIsReadAndCountedFromThenOn) {
+TEST(ServiceJournal, AFileOfAnotherVersionIsNamedAndLeftAlone) {
   std::mt19937_64 random = oracle::seeded(97);
   Platter platter;
+  { Journal(open(platter)).put(entry(1, random), Journal::Sync::now); }
   JournalBytes& content = platter.files["it"].content;
-  const auto append = [&](std::span<const std::byte> bytes) {
-    content.insert(content.end(), bytes.begin(), bytes.end());
+  const auto put_magic = [&](std::string_view magic) {
+    std::ranges::copy(std::as_bytes(std::span(magic)), content.begin());
+    return open(platter).other_layout();
   };
-  append(std::as_bytes(std::span(journal_layout::kMagicWithoutSlots)));
-  Book book;
-  for (std::uint64_t i = 0; i < 4; ++i) {
-    book.put(entry(i, random));
-    append(journal_layout::encode(book.entries.back(), false));
+  EXPECT_EQ(put_magic("collided journal 3\n"), "3");
+  EXPECT_EQ(put_magic("collided journal 12\n"), "12");
+  EXPECT_TRUE(open(platter).entries().empty());
+  EXPECT_EQ(open(platter).damage(), "") << "it is whole, and not for this version";
+  EXPECT_EQ(put_magic("collided journal x\n"), "") << "that is damage";
+  EXPECT_NE(open(platter).damage(), "");
+  EXPECT_EQ(put_magic(journal_layout::kMagic), "");
+}
+
+TEST(ServiceJournal, AClosedFileThatIsOpenedAgainCountsAsOpen) {
+  std::mt19937_64 random = oracle::seeded(103);
+  Platter platter;
+  for (int life = 0; life < 3; ++life) {
+    Journal journal = open(platter);
+    EXPECT_EQ(journal.left(), life == 0 ? Journal::Left::none : Journal::Left::closed);
+    journal.open();
+    EXPECT_EQ(open(platter).left(), Journal::Left::open) << "a crash before the first change";
+    EXPECT_EQ(open(platter).entries(), journal.entries());
+    journal.put(entry(static_cast<std::uint64_t>(life), random), Journal::Sync::now);
+    journal.close();
+    EXPECT_EQ(open(platter).damage(), "");
   }
-  Journal journal = open(platter);
-  EXPECT_EQ(journal.entries(), book.entries);
-  EXPECT_EQ(journal.damage(), "");
-  journal.put(entry(9, random), Journal::Sync::now);
-  EXPECT_EQ(open(platter).entries(), journal.entries());
-  content.resize(content.size() - journal_layout::bytes_of(journal.entries().back()));
-  EXPECT_NE(open(platter).damage().find("what came after is lost"), std::string::npos);
+  EXPECT_EQ(open(platter).entries().size(), 3U);
 }
 
 TEST(ServiceJournal, StaleRecordsDoNotPileUp) {

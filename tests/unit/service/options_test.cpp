@@ -7,6 +7,8 @@
 #include <filesystem>
 #include <fstream>
 #include <map>
+#include <optional>
+#include <span>
 #include <unistd.h>
 
 #include "server/service/questions/nearest_word.hpp"
@@ -18,11 +20,17 @@ namespace {
 
 using Variables = std::map<std::string, std::string>;
 
-ParsedOptions parse(const std::vector<std::string>& arguments, const Variables& variables = {}) {
-  return parse_options(arguments, [&](const char* name) {
-    const auto found = variables.find(name);
-    return found == variables.end() ? nullptr : found->second.c_str();
-  });
+std::optional<std::string> take_any(Options&, const Setting&, std::span<const std::string>) { return std::nullopt; }
+
+ParsedOptions parse(const std::vector<std::string>& arguments, const Variables& variables = {},
+                    const ApplyFleetSetting& fleet = take_any) {
+  return parse_options(
+      arguments,
+      [&](const char* name) {
+        const auto found = variables.find(name);
+        return found == variables.end() ? nullptr : found->second.c_str();
+      },
+      fleet);
 }
 
 std::string origin(const ParsedOptions& parsed, const std::string& key) {
@@ -31,10 +39,6 @@ std::string origin(const ParsedOptions& parsed, const std::string& key) {
   }
   return "no such key";
 }
-
-constexpr const char* kHalves = R"({"margin_m": 2, "shards": [
-  {"name": "west", "low": [null, null, null], "high": [0, null, null]},
-  {"name": "east", "low": [0, null, null], "high": [null, null, null]}]})";
 
 class OptionsFile : public ::testing::Test {
  protected:
@@ -67,13 +71,15 @@ TEST_F(OptionsFile, TheRosDomainCountsAfterOurOwn) {
 
 // What is printed may be kept as a file: it means the same.
 TEST_F(OptionsFile, ThePrintedConfigReadsBack) {
-  const ParsedOptions parsed = parse({"a.obj", "b \"c\".ply", "--step", "2ms", "--peers", "h1,h2", "--log-json"});
+  const ParsedOptions parsed =
+      parse({"a.obj", "b \"c\".ply", "--step", "2ms", "--peers", "h1,h2", "--log-json", "--fresh"});
   write(print_config(parsed));
   const ParsedOptions again = parse({"--config", path});
   EXPECT_EQ(again.options.scenes, (std::vector<std::string>{"a.obj", "b \"c\".ply"}));
   EXPECT_EQ(again.options.step_ns, 2'000'000);
   EXPECT_EQ(again.options.peers, (std::vector<std::string>{"h1", "h2"}));
   EXPECT_TRUE(again.options.log_json);
+  EXPECT_TRUE(again.options.is_fresh);
   EXPECT_EQ(again.options.max_objects, 100'000U);
 }
 
@@ -106,9 +112,7 @@ TEST(Options, NumbersAreNeverOptions) {
 }
 
 // Each word of the configuration lands in the one field that it is about, by flag and by variable.
-TEST_F(OptionsFile, EverySettingSetsItsOwnFieldAndNoOther) {
-  write(kHalves);
-  const std::string west = path + ":west";
+TEST(Options, EverySettingSetsItsOwnFieldAndNoOther) {
   const Options plain = parse({}).options;
   struct Row {
     const char* key;
@@ -121,16 +125,7 @@ TEST_F(OptionsFile, EverySettingSetsItsOwnFieldAndNoOther) {
       {"server.step_threads", "5", [](const Options& o) { return o.step_threads == 5; }},
       {"server.step", "2ms", [](const Options& o) { return o.step_ns == 2'000'000; }},
       {"server.state_dir", "/tmp/x", [](const Options& o) { return o.state_dir == "/tmp/x"; }},
-      {"server.standby_of", "yard", [](const Options& o) { return o.standby_of == "yard"; }},
-      {"server.join", "yard", [](const Options& o) { return o.joins && o.name_space == "yard"; }},
-      {"server.replica_of", "yard", [](const Options& o) { return o.replica_of == "yard" && o.name_space == "yard"; }},
-      {"server.shard", west.c_str(),
-       [](const Options& o) { return o.shard && o.shard->name == "west" && o.name_space == "collided/shard_west"; }},
-      {"server.take_over_after", "3s", [](const Options& o) { return o.take_over_ns == 3'000'000'000; }},
-      {"server.authority", "etcd://a:1/k", [](const Options& o) { return o.authority && o.authority->key == "k"; }},
-      {"server.authority_mode", "fast", [](const Options& o) { return o.authority_mode == TakeOverMode::fast; }},
-      {"server.authority_lease", "5s", [](const Options& o) { return o.authority_lease_s == 5; }},
-      {"server.member", "north-1", [](const Options& o) { return o.member == "north-1"; }},
+      {"server.fresh", "true", [](const Options& o) { return o.is_fresh; }},
       {"world.scenes", "a.obj,b.obj",
        [](const Options& o) {
          return o.scenes == std::vector<std::string>{"a.obj", "b.obj"};
@@ -162,7 +157,8 @@ TEST_F(OptionsFile, EverySettingSetsItsOwnFieldAndNoOther) {
       {"log.level", "warn", [](const Options& o) { return o.log_level == "warn"; }},
       {"log.json", "true", [](const Options& o) { return o.log_json; }},
   };
-  EXPECT_EQ(std::size(rows), settings().size()) << "a setting without a row here";
+  const auto of_fleet = std::ranges::count_if(settings(), [](const Setting& s) { return s.apply == nullptr; });
+  EXPECT_EQ(std::size(rows) + of_fleet, settings().size()) << "a setting without a row here";
   for (const Row& row : rows) {
     const auto setting = std::find_if(settings().begin(), settings().end(),
                                       [&](const Setting& s) { return s.key == std::string(row.key); });
@@ -177,60 +173,26 @@ TEST_F(OptionsFile, EverySettingSetsItsOwnFieldAndNoOther) {
   }
 }
 
-TEST(Options, AStandbyServesTheNamespaceThatItStandsByFor) {
-  EXPECT_EQ(parse({"--standby-of", "hall"}).options.name_space, "hall");
-  EXPECT_EQ(parse({"--namespace", "yard", "--standby-of", "hall"}).options.name_space, "hall");
-  EXPECT_EQ(parse({"--namespace", "yard", "--standby-of", ""}).options.name_space, "yard");
-  EXPECT_EQ(parse({"--join", "hall"}).options.name_space, "hall");
-  EXPECT_FALSE(parse({"--join", ""}).options.joins);
-  EXPECT_EQ(parse({"--take-over-after", "never"}).options.take_over_ns, 0);
-  EXPECT_THROW(parse({"--take-over-after", "199ms"}), OptionsError);
-  EXPECT_THROW(parse({"--standby-of", "hall", "--join", "hall"}), OptionsError);
-  EXPECT_THROW(parse({"--standby-of", "hall", "--replica-of", "hall"}), OptionsError);
-  EXPECT_THROW(parse({"--join", "hall", "--replica-of", "hall"}), OptionsError);
-}
-
-TEST_F(OptionsFile, AShardServesItsOwnNamespaceAndHoldsItsBox) {
-  write(kHalves);
-  const std::string west = path + ":west";
-  const Options alone = parse({"--shard", west, "--namespace", "yard"}).options;
-  EXPECT_EQ(alone.name_space, "yard/shard_west");
-  EXPECT_EQ(alone.shard->held.high.x(), std::nextafter(2.0, 3.0));
-  EXPECT_TRUE(std::isinf(alone.shard->held.low.x()));
-  const Options waiting = parse({"--shard", west, "--standby-of", "yard"}).options;
-  EXPECT_EQ(waiting.name_space, "yard/shard_west");
-  EXPECT_EQ(waiting.standby_of, "yard/shard_west");
-  EXPECT_EQ(parse({"--shard", west, "--join", "yard"}).options.name_space, "yard/shard_west");
-  for (const std::vector<std::string>& bad : {std::vector<std::string>{"--shard", west, "--replica-of", "yard"},
-                                              {"--shard", path + ":north"},
-                                              {"--shard", path},
-                                              {"--shard", path + ".none:west"},
-                                              {"--shard", west, "--covers", "0,0,0:1,1,1"}})
-    EXPECT_THROW(parse(bad), OptionsError) << bad[1];
-  write("[]");
-  EXPECT_THROW(parse({"--shard", west}), OptionsError);
-}
-
-// etcd is not asked before the server starts.
-TEST(Options, AShardOfAMapInEtcdIsAnAddressWithAKeyAndAName) {
-  const Options options = parse({"--shard", "etcd://a:1,[::1]:2/plant/yard:west", "--namespace", "yard"}).options;
-  EXPECT_EQ(options.shard_map_address, "etcd://a:1,[::1]:2/plant/yard");
-  EXPECT_EQ(options.shard->name, "west");
-  EXPECT_EQ(options.name_space, "yard/shard_west");
-  for (const char* bad : {"etcd://a:1:west", "etcd://a:1/:west", "etcd://a/yard:west", "etcd://a:1/yard"})
-    EXPECT_THROW(parse({"--shard", bad}), OptionsError) << bad;
-}
-
-TEST(Options, AnAuthorityIsAnAddressAndItsLeaseWholeSeconds) {
-  EXPECT_FALSE(parse({}).options.authority);
-  EXPECT_EQ(parse({}).options.authority_lease_s, 3);
-  EXPECT_EQ(parse({"--authority", "etcd://a:1,b:2"}).options.authority->endpoints.size(), 2U);
-  for (const std::vector<std::string>& bad : {std::vector<std::string>{"--authority", "http://a:1"},
-                                              {"--authority-mode", "slow"},
-                                              {"--authority-lease", "1s"},
-                                              {"--authority-lease", "2500ms"},
-                                              {"--authority-lease", "61s"}}) {
-    EXPECT_THROW(parse(bad), OptionsError) << bad[1];
+// tests/unit/fleet/fleet_options_test.cpp has what the fleet makes of them.
+TEST(Options, TheFleetIsGivenItsSettingsAndMayRefuseThem) {
+  for (const Setting& setting : settings()) {
+    if (setting.apply != nullptr) continue;
+    std::map<std::string, std::string> given;
+    const auto note = [&](Options&, const Setting& of, std::span<const std::string> values) {
+      given[of.key] = values[0];
+      return std::optional<std::string>();
+    };
+    EXPECT_EQ(origin(parse({setting.flag, "text"}, {}, note), setting.key), "flag " + std::string(setting.flag));
+    EXPECT_EQ(given.at(setting.key), "text");
+    const Variables variables{{setting.variable, "word"}};
+    EXPECT_EQ(origin(parse({}, variables, note), setting.key), "env " + std::string(setting.variable));
+    EXPECT_EQ(given.at(setting.key), "word");
+    given.erase(setting.key);
+    for (const auto& [key, value] : given) EXPECT_NE(value, "word") << key;
+    const auto refuse = [&](Options&, const Setting& of, std::span<const std::string>) {
+      return of.key == std::string(setting.key) ? std::optional<std::string>("another") : std::nullopt;
+    };
+    EXPECT_THROW(parse({}, variables, refuse), OptionsError) << setting.key;
   }
 }
 
@@ -269,6 +231,8 @@ TEST(Options, LimitsAreThoseThatTheRefusalNames) {
       {"--flight-recorder", {"off", "1s", "600s"}, {"999ms", "601s"}},
       {"--domain", {"0", "230"}, {"-1", "231"}},
   };
+  EXPECT_FALSE(parse({"--fresh=false"}).options.is_fresh);
+  EXPECT_THROW(parse({"--fresh=maybe"}), OptionsError);
   for (const auto& [flag, good, bad] : kRows) {
     for (const char* value : good) EXPECT_NO_THROW(parse({flag, value})) << flag << ' ' << value;
     for (const char* value : bad) EXPECT_THROW(parse({flag, value}), OptionsError) << flag << ' ' << value;
@@ -279,7 +243,8 @@ TEST(Options, EverySettingRefusesNonsense) {
   for (const Setting& setting : settings()) {
     // Paths and names may be anything.
     const std::string_view key = setting.key;
-    if (key == "world.scenes" || key == "world.solid" || key == "server.state_dir") continue;
+    if (key == "world.scenes" || key == "world.solid" || key == "server.state_dir" || setting.apply == nullptr)
+      continue;
     EXPECT_THROW(parse({}, {{setting.variable, "<&>"}}), OptionsError) << setting.key;
   }
 }

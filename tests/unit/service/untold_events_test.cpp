@@ -25,17 +25,19 @@ EventColumns event_from_ago(std::uint64_t number, double ago_s) {
   return events;
 }
 
-std::vector<std::uint64_t> told(UntoldEvents& untold, std::int64_t heard_ns, std::int64_t same_from_ns = 0) {
+using UntoldContacts = UntoldEvents<EventColumns>;
+
+std::vector<std::uint64_t> told(UntoldContacts& untold, std::int64_t heard_ns, std::int64_t same_from_ns = 0) {
   std::vector<std::uint64_t> first;
   untold.tell_all({.heard_ns = heard_ns, .same_from_ns = same_from_ns},
-                  [&](const UntoldEvents::UntoldFrame& frame) { first.push_back(frame.events.first_sequence); });
+                  [&](const UntoldContacts::UntoldFrame& frame) { first.push_back(frame.events.first_sequence); });
   return first;
 }
 
 TEST(UntoldEvents, AreToldFromBeforeTheOtherOneFellSilentHoweverLongThatWas) {
-  UntoldEvents untold;
+  UntoldContacts untold;
   for (std::int64_t second = 1; second <= 60; ++second) {
-    untold.keep(events_of(static_cast<std::uint64_t>(second), 1), {}, false, second * kOneSecond);
+    untold.keep(events_of(static_cast<std::uint64_t>(second), 1), {}, second * kOneSecond);
   }
   // Silent since second 20 and a bit: the place is taken 40 s later.
   const std::vector<std::uint64_t> all = told(untold, 20 * kOneSecond + kOneSecond / 2);
@@ -46,25 +48,25 @@ TEST(UntoldEvents, AreToldFromBeforeTheOtherOneFellSilentHoweverLongThatWas) {
 }
 
 TEST(UntoldEvents, AllAreToldWhereNobodyWasHeard) {
-  UntoldEvents untold;
-  untold.keep(events_of(7, 3), {}, false, kOneSecond);
-  untold.keep(events_of(10, 1), {}, true, 100 * kOneSecond);
+  UntoldContacts untold;
+  untold.keep(events_of(7, 3), {}, kOneSecond);
+  untold.keep(events_of(10, 1), {}, 100 * kOneSecond);
   EXPECT_EQ(told(untold, 0), (std::vector<std::uint64_t>{7, 10}));
 }
 
 TEST(UntoldEvents, AsManyAreKeptAsASubscriberRemembersThatItHasHeard) {
   constexpr std::size_t kMost = wire_contract::kEventTopic.keep_last;
-  UntoldEvents untold;
-  for (std::uint64_t i = 0; i < 3 * kMost; ++i) untold.keep(events_of(i, 1), {}, false, kOneSecond);
+  UntoldContacts untold;
+  for (std::uint64_t i = 0; i < 3 * kMost; ++i) untold.keep(events_of(i, 1), {}, kOneSecond);
   const std::vector<std::uint64_t> all = told(untold, kOneSecond);
   ASSERT_EQ(all.size(), kMost);
   EXPECT_EQ(all.front(), 2 * kMost);
 }
 
 TEST(UntoldEvents, WhatASecondServerFoundBeforeItHeldTheSameWorldIsNotTold) {
-  UntoldEvents untold;
+  UntoldContacts untold;
   const auto keep = [&](std::uint64_t number, double ago_s) {
-    untold.keep(event_from_ago(number, ago_s), {.world_time_ns = static_cast<std::int64_t>(number) * kOneSecond}, false,
+    untold.keep(event_from_ago(number, ago_s), {.world_time_ns = static_cast<std::int64_t>(number) * kOneSecond},
                 kOneSecond);
   };
   keep(1, 0.5);
@@ -76,14 +78,14 @@ TEST(UntoldEvents, WhatASecondServerFoundBeforeItHeldTheSameWorldIsNotTold) {
 }
 
 TEST(UntoldEvents, NothingIsToldOfAWorldThatIsNotTheSame) {
-  UntoldEvents untold;
-  untold.keep(event_from_ago(1, 0), {.world_time_ns = kOneSecond}, false, kOneSecond);
+  UntoldContacts untold;
+  untold.keep(event_from_ago(1, 0), {.world_time_ns = kOneSecond}, kOneSecond);
   EXPECT_TRUE(told(untold, 0, std::numeric_limits<std::int64_t>::max()).empty());
 }
 
 TEST(UntoldEvents, FramesWithoutEventsAreNotKept) {
-  UntoldEvents untold;
-  untold.keep(events_of(1, 0), {}, false, kOneSecond);
+  UntoldContacts untold;
+  untold.keep(events_of(1, 0), {}, kOneSecond);
   EXPECT_TRUE(told(untold, 0).empty());
 }
 

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <thread>
 #include <vector>
 
@@ -30,6 +31,17 @@ TEST(WorkQueue, SaysWhenItIsFullAndHandsOutTheRestOnceClosed) {
   EXPECT_EQ(queue.pop(), 1);
   EXPECT_EQ(queue.pop(), 2);
   EXPECT_EQ(queue.pop(), std::nullopt);
+}
+
+TEST(WorkQueue, ItsThreadTakesAllBeforeTheEnd) {
+  std::vector<int> taken;
+  WorkQueue<int> queue(1'000);
+  queue.serve("taker", [&](int item) { taken.push_back(item); });
+  for (int i = 0; i < 1'000; ++i) EXPECT_TRUE(queue.push(i));
+  queue.finish();
+  ASSERT_EQ(taken.size(), 1'000U);
+  EXPECT_TRUE(std::is_sorted(taken.begin(), taken.end()));
+  EXPECT_FALSE(queue.push(0)) << "nobody would take it";
 }
 
 TEST(WorkQueue, EveryItemIsHandedOutOnceToManyThreads) {

@@ -111,9 +111,35 @@ class WorldLoopTest : public ::testing::Test {
     make_loop(options);
     run();
   }
+  void expect_to_wait_for_adding(const LoopOptions& options) {
+    std::atomic<bool> adding{true};
+    loop = std::make_unique<WorldLoop>(
+        WorldLoop::Collaborators{world,
+                                 clock,
+                                 inbox,
+                                 books,
+                                 write_barriers,
+                                 leases,
+                                 questions,
+                                 place,
+                                 [](AskPointer) {},
+                                 [] {},
+                                 [this](const std::string& sentence) { books.note(sentence); },
+                                 {},
+                                 [&] { return adding.load(); }},
+        options);
+    thread = std::thread([this] { loop->run(); });
+    EXPECT_TRUE(books.wait([&] { return books.statuses > 4; }));
+    EXPECT_TRUE(loop->recovering());
+    EXPECT_EQ(books.status.state, ServerState::recovering);
+    EXPECT_EQ(books.notices, "");
+    adding = false;
+    EXPECT_TRUE(books.wait([&] { return books.status.state == ServerState::ready; }));
+    stop();
+  }
   void make_loop(const LoopOptions& options = {}) {
     loop = std::make_unique<WorldLoop>(
-        WorldLoop::Collaborators{world, clock, inbox, books, write_barriers, leases, questions,
+        WorldLoop::Collaborators{world, clock, inbox, books, write_barriers, leases, questions, place,
                                  [this](AskPointer) { ++admitted; }, [] {},
                                  [this](const std::string& sentence) { books.note(sentence); }},
         options);
@@ -176,6 +202,7 @@ class WorldLoopTest : public ::testing::Test {
   WriteBarriers write_barriers;
   SnapshotLeases leases{world};
   QuestionCounts questions;
+  Place place;
   std::atomic<int> admitted{0};
   std::unique_ptr<WorldLoop> loop;
   std::thread thread;
@@ -227,8 +254,12 @@ TEST_F(WorldLoopTest, WhatACrashLeftIsRestoredHoweverManyCommandsWait) {
   const auto life = [&](PastEnd past) {
     return std::make_unique<DurableState>(disk_in(folder.string()), "it.journal", past, [](const std::string&) {});
   };
-  life(PastEnd::unknown)->rules_set(0, {R"({"command": "allow", "a": "crate", "b": "post"})"});
+  life(PastEnd::unknown)
+      ->keep({.erased = {},
+              .put = {{.key = {KeptKind::rule, "00"}, .text = R"({"command": "allow", "a": "crate", "b": "post"})"}}});
   const std::unique_ptr<DurableState> durable = life(PastEnd::running);
+  Inventory inventory({[&](const Inventory::Changes& changes) { durable->keep(changes); }});
+  durable->restore(inventory);
   ASSERT_EQ(durable->commands_left().size(), 1U);
   std::size_t waiting = 0;
   while (inbox.push_job([] {})) ++waiting;
@@ -243,9 +274,11 @@ TEST_F(WorldLoopTest, WhatACrashLeftIsRestoredHoweverManyCommandsWait) {
                      .counts = questions,
                      .audit = audit,
                      .durable = durable.get(),
+                     .inventory = inventory,
                      .flight = nullptr,
                      .part_meshes = part_meshes,
-                     .samples = samples},
+                     .samples = samples,
+                     .place = place},
                     "");
   commands.replay(durable->commands_left());
   // Time enough to find the queue full, while the world's thread does not run yet.
@@ -417,28 +450,13 @@ TEST_F(WorldLoopTest, AStepsStagesSumToTheWhole) {
 
 // What commands had added is waited for however long it takes; the wait for publishers ends.
 TEST_F(WorldLoopTest, AfterACrashItIsNotReadyWhileScenesAreAddedAgain) {
-  std::atomic<bool> adding{true};
-  loop = std::make_unique<WorldLoop>(
-      WorldLoop::Collaborators{world,
-                               clock,
-                               inbox,
-                               books,
-                               write_barriers,
-                               leases,
-                               questions,
-                               [](AskPointer) {},
-                               [] {},
-                               [this](const std::string& sentence) { books.note(sentence); },
-                               {},
-                               [&] { return adding.load(); }},
-      LoopOptions{.step_ns = 0, .recovery_ns = 1, .limits = {}});
-  thread = std::thread([this] { loop->run(); });
-  EXPECT_TRUE(books.wait([&] { return books.statuses > 4; }));
-  EXPECT_TRUE(loop->recovering());
-  EXPECT_EQ(books.status.state, ServerState::recovering);
+  expect_to_wait_for_adding({.step_ns = 0, .recovery_ns = 1, .limits = {}});
+}
+
+// The publishers of a server that was stopped are not waited for, and no sentence says that one is missing.
+TEST_F(WorldLoopTest, AfterAStopItIsReadyAsSoonAsScenesAreAddedAgain) {
+  expect_to_wait_for_adding({.step_ns = 0, .restores = true, .limits = {}});
   EXPECT_EQ(books.notices, "");
-  adding = false;
-  EXPECT_TRUE(books.wait([&] { return books.status.state == ServerState::ready; }));
 }
 
 TEST_F(WorldLoopTest, AfterACrashItSaysThatItRecovers) {

@@ -55,7 +55,7 @@ TEST(WorldCommonTime, OnePublishersStreamedObjectsMoveBetweenTheirOwnPoses) {
   for (const double beside_m : {0.0, 0.6}) {
     Arrivals arrivals({{0, flight(0.1, {0, 0, 50}, {200, 0, 0}, meet_ns, 0, 10 * kMs, 21)},
                        {0, flight(0.1, {0, beside_m, 50}, {0, 200, 0}, meet_ns, 2 * kMs, 10 * kMs, 21)}},
-                      true);
+                      {.is_streamed = true});
     std::mt19937_64 random(1);
     const Story story = arrivals.tell(std::vector<std::size_t>(42, 0), random, 0.5);
     EXPECT_EQ(story.size(), beside_m == 0 ? 1u : 0u);

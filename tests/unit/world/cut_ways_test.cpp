@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 #include <set>
 #include <string>
 #include <vector>
@@ -242,17 +241,11 @@ std::string difference(RandomWays& random, const Ways& ways, const Ways& cut, Cu
          "\n  allowed beside each other, ns: " + slack;
 }
 
-/// The environment's number; without: the given one.
-int asked(const char* variable, int fallback) {
-  const char* text = std::getenv(variable);
-  return text != nullptr ? std::atoi(text) : fallback;
-}
-
 TEST(WorldCutWays, MorePosesOfTheSameWayChangeNoEvent) {
   std::mt19937_64 seeds = oracle::seeded(20261129);
   // COLLIDED_WAY asks for one of them alone.
-  const int only = asked("COLLIDED_WAY", -1);
-  const int count = std::max(asked("COLLIDED_WAYS", 300), only + 1);
+  const int only = oracle::asked("COLLIDED_WAY", -1);
+  const int count = std::max(oracle::asked("COLLIDED_WAYS", 300), only + 1);
   CutTally tally;
   int differences = 0;
   for (int i = 0; i < count; ++i) {

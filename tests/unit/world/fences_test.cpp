@@ -1,270 +1,142 @@
-// Fences: who is in a region, decided over whole motions, and told once.
-#include "server/world/fences/fences.hpp"
-
+// Fences: which objects are in a region, decided over whole motions, and reported once.
 #include <gtest/gtest.h>
 
+#include <memory>
 #include <string>
-#include <vector>
 
 #include "server/world/objects/indexed_mesh.hpp"
 #include "server/world/solids/solid.hpp"
-#include "server/world/world.hpp"
 #include "tests/scenes/meshes.hpp"
+#include "tests/unit/world/standing_fixture.hpp"
 
 namespace collided::engine {
 namespace {
 
-constexpr std::int64_t kSecond = 1'000'000'000;
-
-Shape box_from(const Vec3& low, const Vec3& high) {
-  Shape shape;
-  shape.primitives.emplace_back(Box{.center = (low + high) / 2, .half_m = (high - low) / 2});
-  return shape;
-}
-
-Shape ball(double radius_m, const Vec3& center = Vec3::Zero()) {
-  Shape shape;
-  shape.primitives.emplace_back(Sphere{center, radius_m});
-  return shape;
-}
-
-class FencesTest : public testing::Test {
+class FencesTest : public StandingTest {
  protected:
-  FencesTest() { step(); }
-
-  ObjectId add(const std::string& name, const Shape& shape, const Vec3& at, std::uint64_t publisher = 0,
-               LostPolicy lost = LostPolicy::remove) {
-    ObjectDefinition definition;
-    definition.name = name;
-    definition.shape = shape;
-    definition.pose.position = at;
-    definition.publisher = publisher;
-    definition.lost_policy = lost;
-    return std::get<ObjectId>(world_.define(definition));
-  }
+  FencesTest() : StandingTest(wire_contract::kDefaultGapNs) {}
 
   ObjectId fence(const std::string& name, const Shape& shape, FenceDefinition rest = {}) {
     rest.name = name;
     rest.shape = shape;
-    const auto added = world_.add_fence(rest);
-    EXPECT_TRUE(std::holds_alternative<ObjectId>(added));
-    return std::holds_alternative<ObjectId>(added) ? std::get<ObjectId>(added) : 0;
+    EXPECT_EQ(refusal(rest), "");
+    return world_.fences()->find(name).value_or(0);
   }
 
-  /// Publisher 1 says where the object is after so many seconds.
-  void pose(ObjectId object, const Vec3& at, double after_s, std::uint64_t publisher = 1, bool teleport = false) {
-    const ObjectId ids[] = {object};
-    const Pose poses[] = {{.position = at}};
-    bool moved[1];
-    const std::int64_t time_ns = start_ns_ + std::llround(after_s * kSecond);
-    world_.move(ids, poses, time_ns, teleport, moved);
-    EXPECT_TRUE(moved[0]);
-    world_.advance(publisher, time_ns);
-  }
-
-  void step() { EXPECT_TRUE(world_.step(now_ns_ += 1'000, 1, {})); }
-
-  /// What the last step told: "enter ball dock", "exit ball dock removed".
-  std::vector<std::string> told() const {
-    std::vector<std::string> lines;
-    if (world_.fences() == nullptr) return lines;
-    for (const Event& event : world_.fences()->events()) {
-      static constexpr const char* kReasons[] = {
-          "",           "separated",        "removed",         "publisher_lost",
-          "teleported", "geometry_changed", "server_stopping", "server_restarted",
-          "decided",    "crossed",          "fence_removed"};
-      const ObjectInfo* info = world_.info(event.of.a);
-      lines.push_back(std::string(event.kind == EventKind::began ? "enter " : "exit ") +
-                      (info != nullptr ? info->name : "?") + " " + std::string(world_.fences()->name(event.of.b)));
-      const std::string reason = kReasons[static_cast<std::size_t>(event.reason)];
-      if (!reason.empty() && reason != "separated") lines.back() += " " + reason;
-      if (event.of.doubt != Doubt::none) lines.back() += " in doubt";
-    }
-    return lines;
-  }
-
-  /// Seconds after the start between which the last step's event number i happened.
-  std::pair<double, double> bracket(std::size_t i) const {
-    const Event& event = world_.fences()->events().at(i);
-    const auto after = [&](double ago_s) { return 1e-9 * static_cast<double>(now_ns_ - start_ns_) - ago_s; };
-    return {after(event.bracket_low_s), after(event.bracket_high_s)};
-  }
-
-  using Lines = std::vector<std::string>;
-  std::int64_t start_ns_ = 1'000 * kSecond;
-  std::int64_t now_ns_ = start_ns_;
-  World world_{WorldOptions{}};
+  const Shape dock_ = box({2.5, 2.5, 1.5}, {2.5, 2.5, 1.5});
 };
 
-TEST_F(FencesTest, WhoComesInAndGoesOutIsToldOnceWithBrackets) {
-  fence("dock", box_from({0, 0, 0}, {5, 5, 3}));
-  const ObjectId drone = add("drone", ball(0.5), {-2, 1, 1}, 1);
-  pose(drone, {-2, 1, 1}, 0);
-  step();
-  EXPECT_EQ(told(), Lines());
-  pose(drone, {2, 1, 1}, 1);
-  step();
-  ASSERT_EQ(told(), Lines{"enter drone dock"});
+TEST_F(FencesTest, EntriesAndExitsAreReportedOnceWithBrackets) {
+  fence("dock", dock_);
+  const ObjectId drone = add("drone", ball(0.5), {-2, 1, 1});
+  EXPECT_EQ(step_with(drone, {-2, 1, 1}, 0), Lines());
+  ASSERT_EQ(step_with(drone, {2, 1, 1}, 1), Lines{"began drone dock"});
   // Its front is at x = -1.5 + 4 t: at 0 after 0.375 s.
-  EXPECT_LE(bracket(0).first, 0.375);
-  EXPECT_GE(bracket(0).second, 0.375);
-  EXPECT_LT(bracket(0).second - bracket(0).first, 1e-6);
+  expect_at(0, 0.375);
   EXPECT_EQ(world_.fences()->inside().size(), 1u);
-  pose(drone, {2, 2, 1}, 2);
-  step();
-  EXPECT_EQ(told(), Lines());
-  pose(drone, {10, 2, 1}, 3);
-  step();
-  ASSERT_EQ(told(), Lines{"exit drone dock"});
+  EXPECT_EQ(step_with(drone, {2, 2, 1}, 2), Lines());
+  ASSERT_EQ(step_with(drone, {10, 2, 1}, 3), Lines{"ended drone dock"});
   // Its back is at x = 1.5 + 8 (t - 2): at 5 after 2.4375 s.
-  EXPECT_LE(bracket(0).first, 2.4375);
-  EXPECT_GE(bracket(0).second, 2.4375);
+  expect_at(0, 2.4375);
   EXPECT_TRUE(world_.fences()->inside().empty());
   EXPECT_EQ(world_.fences()->last_sequence(), 2u);
 }
 
-// A mover that found no fence about it does not look for one as long as it stays there, but for those that come.
+// A mover without a fence near it searches again only once it has left that place. New fences find it.
 TEST_F(FencesTest, AFenceThatComesNearAMoverThatFoundNoneIsSeen) {
-  fence("far", box_from({50, 0, 0}, {51, 5, 3}));
-  const ObjectId drone = add("drone", ball(0.5), {0, 1, 1}, 1);
+  fence("far", box({0.5, 2.5, 1.5}, {50.5, 2.5, 1.5}));
+  const ObjectId drone = add("drone", ball(0.5), {0, 1, 1});
   double after_s = 0;
-  for (int i = 0; i < 5; ++i) {
-    pose(drone, {0.01 * i, 1, 1}, after_s += 0.1);
-    step();
-    EXPECT_EQ(told(), Lines());
-  }
-  fence("near", box_from({0.7, 0, 0}, {2, 5, 3}));
-  step();
-  EXPECT_EQ(told(), Lines());
-  pose(drone, {0.1, 1, 1}, after_s += 0.1);
-  step();
-  EXPECT_EQ(told(), Lines());
-  pose(drone, {0.25, 1, 1}, after_s += 0.1);
-  step();
-  EXPECT_EQ(told(), Lines{"enter drone near"});
-  // And one that moves there with its carrier.
-  FenceDefinition carried;
-  carried.carrier = "carrier";
-  const ObjectId carrier = add("carrier", ball(0.1), {-20, 1, 1}, 1);
-  fence("around", ball(1), carried);
-  for (int i = 0; i < 3; ++i) {
-    pose(drone, {0.25, 1, 1 + 0.001 * i}, after_s += 0.1);
-    step();
-    EXPECT_EQ(told(), Lines());
-  }
-  pose(carrier, {-1, 1, 1}, after_s += 0.1);
-  step();
-  EXPECT_EQ(told(), Lines{"enter drone around"});
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(step_with(drone, {0.01 * i, 1, 1}, after_s += 0.1), Lines());
+  fence("near", box({0.65, 2.5, 1.5}, {1.35, 2.5, 1.5}));
+  EXPECT_EQ(step(), Lines());
+  EXPECT_EQ(step_with(drone, {0.1, 1, 1}, after_s += 0.1), Lines());
+  EXPECT_EQ(step_with(drone, {0.25, 1, 1}, after_s += 0.1), Lines{"began drone near"});
+  // So does a fence that moves there with its carrier.
+  const ObjectId carrier = add("carrier", ball(0.1), {-20, 1, 1});
+  fence("around", ball(1), {.carrier = "carrier"});
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(step_with(drone, {0.25, 1, 1 + 0.001 * i}, after_s += 0.1), Lines());
+  EXPECT_EQ(step_with(carrier, {-1, 1, 1}, after_s += 0.1), Lines{"began drone around"});
 }
 
-// In and out between two poses: both are told, marked as one passage.
+// An object that enters and leaves between two poses has two events in the ledger, marked as one crossing.
 TEST_F(FencesTest, WhatCrossesBetweenTwoPosesIsNotMissed) {
-  fence("wire", box_from({0, 0, 0}, {0.01, 5, 3}));
-  const ObjectId drone = add("drone", ball(0.1), {-2, 1, 1}, 1);
-  pose(drone, {-2, 1, 1}, 0);
+  fence("wire", box({0.005, 2.5, 1.5}, {0.005, 2.5, 1.5}));
+  const ObjectId drone = start("drone", ball(0.1), {-2, 1, 1});
   step();
-  pose(drone, {2, 1, 1}, 0.1);
-  step();
-  ASSERT_EQ(told(), (Lines{"enter drone wire crossed", "exit drone wire crossed"}));
+  ASSERT_EQ(step_with(drone, {2, 1, 1}, 0.1), (Lines{"began drone wire crossed", "ended drone wire crossed"}));
   // The centre is at x = -2 + 40 t; the two touch from x = -0.1 to 0.11.
-  EXPECT_LE(bracket(0).first, 1.9 / 40);
-  EXPECT_GE(bracket(0).second, 1.9 / 40);
-  EXPECT_LE(bracket(1).first, 2.11 / 40);
-  EXPECT_GE(bracket(1).second, 2.11 / 40);
-  EXPECT_LT(bracket(1).second - bracket(1).first, 1e-6);
+  expect_at(0, 1.9 / 40);
+  expect_at(1, 2.11 / 40);
 }
 
-TEST_F(FencesTest, WhoIsThereWhenAFenceComesIsInIt) {
-  const ObjectId drone = add("drone", ball(0.1), {1, 1, 1}, 1);
-  pose(drone, {1, 1, 1}, 0);
+TEST_F(FencesTest, AnObjectWithinANewFenceIsInIt) {
+  start("drone", ball(0.1), {1, 1, 1});
   step();
-  fence("dock", box_from({0, 0, 0}, {5, 5, 3}));
-  step();
-  EXPECT_EQ(told(), Lines{"enter drone dock"});
+  fence("dock", dock_);
+  EXPECT_EQ(step(), Lines{"began drone dock"});
   EXPECT_TRUE(world_.remove_fence("dock"));
   EXPECT_FALSE(world_.remove_fence("dock"));
-  step();
-  EXPECT_EQ(told(), Lines{"exit drone dock fence_removed"});
-  fence("dock", box_from({0, 0, 0}, {5, 5, 3}));
-  step();
-  EXPECT_EQ(told(), Lines{"enter drone dock"});
+  EXPECT_EQ(step(), Lines{"ended drone dock fence_removed"});
+  fence("dock", dock_);
+  EXPECT_EQ(step(), Lines{"began drone dock"});
 }
 
-TEST_F(FencesTest, AFenceTouchesNothingAndNoContactIsTold) {
-  fence("dock", box_from({0, 0, 0}, {5, 5, 3}));
-  const ObjectId drone = add("drone", ball(0.5), {1, 1, 1}, 1);
-  pose(drone, {1, 1, 1}, 0);
-  step();
-  EXPECT_EQ(told(), Lines{"enter drone dock"});
+TEST_F(FencesTest, AFenceMakesNoContacts) {
+  fence("dock", dock_);
+  const ObjectId drone = add("drone", ball(0.5), {1, 1, 1});
+  EXPECT_EQ(step_with(drone, {1, 1, 1}, 0), Lines{"began drone dock"});
   EXPECT_TRUE(world_.events().empty());
   EXPECT_TRUE(world_.contacts().empty());
   EXPECT_EQ(world_.last_event_sequence(), 0u);
 }
 
 TEST_F(FencesTest, AnExitSaysWhy) {
-  fence("dock", box_from({0, 0, 0}, {5, 5, 3}));
-  const ObjectId first = add("first", ball(0.1), {1, 1, 1}, 1);
-  const ObjectId second = add("second", ball(0.1), {2, 2, 2}, 1);
-  pose(first, {1, 1, 1}, 0);
-  pose(second, {2, 2, 2}, 0);
-  step();
-  EXPECT_EQ(told().size(), 2u);
+  fence("dock", dock_);
+  const ObjectId first = start("first", ball(0.1), {1, 1, 1});
+  const ObjectId second = start("second", ball(0.1), {2, 2, 2});
+  EXPECT_EQ(step(), (Lines{"began first dock", "began second dock"}));
   world_.remove(first, EndReason::publisher_lost);
-  pose(second, {9, 9, 9}, 1, 1, true);
-  step();
-  EXPECT_EQ(told(), (Lines{"exit ? dock publisher_lost", "exit second dock teleported"}));
+  EXPECT_EQ(step_with(second, {9, 9, 9}, 1, {.teleport = true}),
+            (Lines{"ended ? dock publisher_lost", "ended second dock teleported"}));
 }
 
 TEST_F(FencesTest, AFrozenObjectIsInDoubtUntilItIsFoundAgain) {
-  fence("dock", box_from({0, 0, 0}, {5, 5, 3}));
-  const ObjectId drone = add("drone", ball(0.1), {1, 1, 1}, 1, LostPolicy::freeze);
-  pose(drone, {1, 1, 1}, 0);
+  fence("dock", dock_);
+  const ObjectId drone = start("drone", ball(0.1), {1, 1, 1}, {.lost = LostPolicy::freeze});
   step();
   world_.set_stale(drone, true);
-  step();
-  EXPECT_EQ(told(), (Lines{"exit drone dock publisher_lost", "enter drone dock in doubt"}));
+  EXPECT_EQ(step(), (Lines{"ended drone dock publisher_lost", "began drone dock in doubt"}));
   world_.set_stale(drone, false);
-  step();
-  EXPECT_EQ(told(), (Lines{"exit drone dock decided in doubt", "enter drone dock"}));
+  EXPECT_EQ(step(), (Lines{"ended drone dock decided in doubt", "began drone dock"}));
 }
 
-TEST_F(FencesTest, OnlyAndSkipAndMaskSayWhomItLooksAt) {
-  fence("forklifts", box_from({0, 0, 0}, {5, 5, 3}), {.only = "forklift*", .skip = "*_7"});
-  fence("people", box_from({0, 0, 0}, {5, 5, 3}), {.mask = 2});
-  add("forklift_6", ball(0.1), {1, 1, 1}, 1);
-  add("forklift_7", ball(0.1), {2, 1, 1}, 1);
-  add("drone", ball(0.1), {3, 1, 1}, 1);
-  step();
-  EXPECT_EQ(told(), Lines{"enter forklift_6 forklifts"});
+TEST_F(FencesTest, OnlyAndSkipAndMaskSelectObjects) {
+  fence("forklifts", dock_, {.only = "forklift*", .skip = "*_7"});
+  fence("people", dock_, {.mask = 2});
+  add("forklift_6", ball(0.1), {1, 1, 1});
+  add("forklift_7", ball(0.1), {2, 1, 1});
+  add("drone", ball(0.1), {3, 1, 1});
+  EXPECT_EQ(step(), Lines{"began forklift_6 forklifts"});
 }
 
-// A zone about a person: both the one who carries it and those whom it looks at move.
+// A zone about a person: both the carrier and the monitored object move.
 TEST_F(FencesTest, AFenceGoesWithItsCarrier) {
-  const ObjectId person = add("person", ball(0.3), {0, 0, 0}, 1);
-  const ObjectId robot = add("robot", ball(0.5), {5, 0, 0}, 2);
+  const ObjectId person = add("person", ball(0.3), {0, 0, 0});
+  const ObjectId robot = add("robot", ball(0.5), {5, 0, 0}, {.publisher = 2});
   fence("around", ball(1), {.carrier = "person"});
-  pose(person, {0, 0, 0}, 0, 1);
-  pose(robot, {5, 0, 0}, 0, 2);
-  step();
-  EXPECT_EQ(told(), Lines());
-  // One second later the person is at x = 5; the two are 1.5 m apart when it is at 3.5. Known once both have spoken.
-  pose(person, {5, 0, 0}, 1, 1);
-  step();
-  EXPECT_EQ(told(), Lines());
-  pose(robot, {5, 0, 0}, 2, 2);
-  step();
-  ASSERT_EQ(told(), Lines{"enter robot around"});
-  EXPECT_LE(bracket(0).first, 0.7);
-  EXPECT_GE(bracket(0).second, 0.7);
-  EXPECT_LT(bracket(0).second - bracket(0).first, 1e-6);
+  pose(person, {0, 0, 0}, 0);
+  EXPECT_EQ(step_with(robot, {5, 0, 0}, 0, {.publisher = 2}), Lines());
+  // One second later the person is at x = 5; the two are 1.5 m apart when it is at 3.5. Known once both have poses.
+  EXPECT_EQ(step_with(person, {5, 0, 0}, 1), Lines());
+  ASSERT_EQ(step_with(robot, {5, 0, 0}, 2, {.publisher = 2}), Lines{"began robot around"});
+  expect_at(0, 0.7);
   // Its carrier is not in it, and goes with it.
   world_.remove(person, EndReason::removed);
-  step();
-  EXPECT_EQ(told(), Lines{"exit robot around removed"});
-  // The fence waits for somebody of that name.
-  add("person", ball(0.3), {5, 1, 0}, 1);
-  step();
-  EXPECT_EQ(told(), Lines{"enter robot around"});
+  EXPECT_EQ(step(), Lines{"ended robot around removed"});
+  // The fence waits for an object of that name.
+  add("person", ball(0.3), {5, 1, 0});
+  EXPECT_EQ(step(), Lines{"began robot around"});
 }
 
 TEST_F(FencesTest, ASolidMeshHoldsWhatLiesWithinIt) {
@@ -277,38 +149,23 @@ TEST_F(FencesTest, ASolidMeshHoldsWhatLiesWithinIt) {
   Shape shape;
   shape.mesh = mesh;
   fence("dome", shape, definition);
-  const ObjectId drone = add("drone", ball(0.1), {5, 0, 0}, 1);
-  pose(drone, {5, 0, 0}, 0);
+  const ObjectId drone = start("drone", ball(0.1), {5, 0, 0});
   step();
-  pose(drone, {0, 0, 0}, 1);
-  step();
-  EXPECT_EQ(told(), Lines{"enter drone dome"});
-  pose(drone, {0.2, 0, 0}, 2);
-  step();
-  EXPECT_EQ(told(), Lines());
-  pose(drone, {-5, 0, 0}, 3);
-  step();
-  EXPECT_EQ(told(), Lines{"exit drone dome"});
+  EXPECT_EQ(step_with(drone, {0, 0, 0}, 1), Lines{"began drone dome"});
+  EXPECT_EQ(step_with(drone, {0.2, 0, 0}, 2), Lines());
+  EXPECT_EQ(step_with(drone, {-5, 0, 0}, 3), Lines{"ended drone dome"});
 }
 
 TEST_F(FencesTest, AHalfSpaceIsAFence) {
   Shape shape;
   shape.primitives.emplace_back(HalfSpace{.point = {0, 0, 1}, .normal = {0, 0, 1}});
   fence("below", shape);
-  const ObjectId drone = add("drone", ball(0.5), {1e6, 0, 3}, 1);
-  pose(drone, {1e6, 0, 3}, 0);
-  step();
-  EXPECT_EQ(told(), Lines());
-  pose(drone, {1e6, 0, 1}, 1);
-  step();
-  EXPECT_EQ(told(), Lines{"enter drone below"});
+  const ObjectId drone = add("drone", ball(0.5), {1e6, 0, 3});
+  EXPECT_EQ(step_with(drone, {1e6, 0, 3}, 0), Lines());
+  EXPECT_EQ(step_with(drone, {1e6, 0, 1}, 1), Lines{"began drone below"});
 }
 
 TEST_F(FencesTest, WhatHoldsNothingIsRefusedWithTheReason) {
-  const auto refusal = [&](const FenceDefinition& definition) {
-    const auto added = world_.add_fence(definition);
-    return std::holds_alternative<Refusal>(added) ? std::get<Refusal>(added).reason : std::string();
-  };
   EXPECT_NE(refusal({.name = "a", .shape = {}}).find("no shape"), std::string::npos);
   Shape half_space;
   half_space.primitives.emplace_back(HalfSpace{.point = {0, 0, 0}, .normal = {0, 0, 1}});
@@ -321,7 +178,7 @@ TEST_F(FencesTest, WhatHoldsNothingIsRefusedWithTheReason) {
   EXPECT_EQ(world_.fences()->table().count(), 1u);
 }
 
-// A slot that is used again gives another id, so that nobody takes the new fence for the old one.
+// A slot that is used again gives another id, so that the new fence is not taken for the old one.
 TEST_F(FencesTest, AFenceOfTheSameNameIsAnother) {
   const ObjectId first = fence("dock", ball(1));
   world_.remove_fence("dock");

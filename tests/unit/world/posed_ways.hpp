@@ -85,7 +85,7 @@ inline PairEvents story_of(const std::vector<Actor>& actors, const WorldOptions&
     };
     for (const Event& event : world.events()) note(event, world.info(event.of.b)->name);
     if (world.fences() == nullptr) return;
-    for (const Event& event : world.fences()->events()) note(event, std::string(world.fences()->name(event.of.b)));
+    for (const Event& event : world.fences()->events()) note(event, world.fences()->table().name(slot_of(event.of.b)));
   };
   step();
   std::map<std::int64_t, std::map<std::uint64_t, std::vector<std::size_t>>> batches;

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "client/view/standing_follower.hpp"
+#include "collided/recording.hpp"
+
+namespace collided::view {
+
+/// Writes the outlines of standing questions into a recording: on "<namespace>/standing" as the page of `collide view` takes
+/// them, each in the frame of its carrier, and on "/fences" as a scene in the world for Foxglove. A file of a run without
+/// standing questions has neither.
+///
+/// cost     asks the server five times a second while there are any, otherwise once for each change that the recording has
+///          received; the poses of 50 carriers at most
+/// threads  one
+class StandingRecorder {
+ public:
+  /// recording  must outlive it
+  StandingRecorder(Recording& recording, const std::string& name_space);
+
+  /// To be called often.
+  void look();
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  void look_at_carriers();
+  void write();
+
+  Recording& recording_;
+  Client client_;
+  StandingFollower follower_;
+  const OwnChannel listed_;
+  const OwnChannel scene_;
+  Clock::time_point next_;
+  std::uint64_t changes_ = ~std::uint64_t{0};  // that the last look took into account; no number at first
+  std::vector<draw::StandingOutline> outlines_;
+  std::map<std::string, Pose> carriers_;  // by name, as the last scene has them
+};
+
+}  // namespace collided::view
