@@ -21,6 +21,7 @@ plant server/geometry/pose.cpp '#include "server/world/world.hpp"' 'server/geome
 plant server/service/server.cpp '#include "server/fleet/fleet_place.hpp"' 'server/service may include only'
 plant server/service/options/options.cpp '#include "idl/etcd/etcd_address.hpp"' 'may not include idl/etcd'
 plant client/library/client.cpp '#include "server/geometry/pose.hpp"' 'client may include only'
+plant client/library/asking/ask.cpp '#include "client/fleet/replicas.hpp"' 'client/library may include only'
 plant server/world/world.cpp '#include <dds/dds.h>' 'past its door'
 plant idl/columns.cpp 'void call(void* context);' 'a callback is a FunctionRef'
 plant tests/cli/demo.sh 'export COLLIDED_DOMAIN=219' 'two tests may share this domain'

@@ -18,6 +18,7 @@ declare -A may=(
   [server/fleet]="server/fleet server/service server/world server/geometry idl"
   [server/programs]="server/programs server/world server/exact_phase server/broad_phase server/intake server/geometry"
   [client]="client collided idl"
+  [client/library]="client/library collided idl"
   [idl]="idl collided/codes.hpp"
 )
 # What a room may not include of what stands above: optional parts that it does not know.

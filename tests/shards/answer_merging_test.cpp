@@ -1,5 +1,5 @@
 // What several shards say, made one answer: no server is asked.
-#include "client/library/shards/answer_merging.hpp"
+#include "client/fleet/shards/answer_merging.hpp"
 
 #include <cmath>
 #include <limits>
@@ -9,7 +9,7 @@
 
 #include <gtest/gtest.h>
 
-#include "client/library/shards/question_reach.hpp"
+#include "client/fleet/shards/question_reach.hpp"
 #include "tests/oracle/seed.hpp"
 
 namespace collided::client {

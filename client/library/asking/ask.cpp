@@ -1,7 +1,6 @@
 #include "client/library/asking/ask.hpp"
 
 #include <algorithm>
-#include <functional>
 #include <thread>
 #include <utility>
 
@@ -9,7 +8,7 @@
 #include "client/library/asking/question_request.hpp"
 #include "client/library/asking/send_window.hpp"
 #include "client/library/connection/errors.hpp"
-#include "client/library/connection/replicas.hpp"
+#include "client/library/connection/route.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
 #include "idl/columns.hpp"
 #include "idl/instant.hpp"
@@ -142,73 +141,16 @@ std::optional<Error> run_once(Connection& connection, const QuestionRequest& req
 
 }  // namespace
 
-namespace {
-
-/// Whether somebody else may have a better answer than this one of a replica's: an earlier state than this client has seen, or
-/// an object that is on its way to the replica.
-bool is_behind(const Answers& answers, const AskOptions& options, std::int64_t seen_settled_ns) {
-  if (options.as_of.kind == Instant::Kind::settled) return answers.world_time.count() < seen_settled_ns;
-  return options.as_of.kind == Instant::Kind::at && std::ranges::any_of(answers.answers, [](const Answer& answer) {
-           return answer.reason == UndecidedReason::stale_object;
-         });
-}
-
-/// What a replica refuses, or does not answer, the primary is asked. A settled state that another server has passed already is
-/// waited for, half the time that there is at most.
-class SpreadQuestion {
- public:
-  SpreadQuestion(Connection& primary, Replicas& replicas, const AskOptions& options)
-      : primary_(primary),
-        replicas_(replicas),
-        options_(options),
-        seen_settled_ns_(replicas.settled_ns()),
-        waits_until_(Clock::now() + options.timeout / 2) {}
-
-  /// Asks whoever is next. The error is that of the primary, or of a replica where the primary is silent.
-  std::optional<Error> ask(const QuestionRequest& request, const WriteBarrier& barrier, Clock::time_point deadline,
-                           Answers& answers) {
-    for (int tries = 1;; ++tries) {
-      const Replicas::AskedServer asked = replicas_.next(tries > 1);
-      Connection& connection = asked.replica() == nullptr ? primary_ : *asked.replica();
-      const std::optional<Error> error = run_once(connection, request, options_, barrier, deadline, answers);
-      const bool is_gone = error && error->code == ErrorCode::disconnected;
-      const bool is_poor = error || is_behind(answers, options_, seen_settled_ns_);
-      const bool may_others_know = is_gone || (asked.replica() != nullptr && is_poor);
-      if (may_others_know && tries < kMostTries && Clock::now() < deadline) continue;
-      if (error || options_.as_of.kind != Instant::Kind::settled) return error;
-      if (answers.world_time.count() >= seen_settled_ns_ || Clock::now() >= waits_until_) break;
-      std::this_thread::sleep_for(kLook);
-    }
-    replicas_.note_settled(answers.world_time.count());
-    return std::nullopt;
-  }
-
- private:
-  static constexpr int kMostTries = 4;  // where the primary is silent, so that replicas are tried again
-  static constexpr std::chrono::milliseconds kLook{1};
-
-  Connection& primary_;
-  Replicas& replicas_;
-  const AskOptions& options_;
-  const std::int64_t seen_settled_ns_;
-  const Clock::time_point waits_until_;
-};
-
-}  // namespace
-
 Result<Answers> run(Connection& connection, const QuestionRequest& request, const AskOptions& options,
                     Answers&& earlier) {
   if (auto error = options_fault(request, options)) { return *error; }
   const Clock::time_point deadline = Clock::now() + options.timeout;
   Answers answers = std::move(earlier);
   const WriteBarrier barrier = options.fresh ? connection.last_write() : WriteBarrier{};
-  Replicas* const replicas = connection.replicas();
-  std::optional<SpreadQuestion> spread;
-  if (replicas != nullptr && replicas->has_company()) { spread.emplace(connection, *replicas, options); }
-  const auto ask_once = [&] {
-    return spread ? spread->ask(request, barrier, deadline, answers)
-                  : run_once(connection, request, options, barrier, deadline, answers);
-  };
+  const auto once = [&](Connection& asked) { return run_once(asked, request, options, barrier, deadline, answers); };
+  Route* const route = connection.route();
+  const bool is_routed = route != nullptr && route->has_company();
+  const auto ask_once = [&] { return is_routed ? route->ask(once, options, answers, deadline) : once(connection); };
   std::uint64_t server = connection.pulse().server();
   while (auto error = ask_once()) {
     // Where another server has taken the place of the one that was asked, it is asked: a question changes nothing.
@@ -228,10 +170,6 @@ Error question_fault(const std::string& reason, std::size_t index, std::size_t c
   const std::string noun = QuestionWire<Question>::noun;
   return bad_input((count == 1 ? noun : noun + ' ' + std::to_string(index)) + ": " + reason);
 }
-
-}  // namespace
-
-namespace {
 
 /// Checks all questions before the first is sent: a request is answered as a whole or not at all.
 template <class Question>

@@ -6,7 +6,7 @@
 
 #include "client/library/asking/answer_decoding.hpp"
 #include "client/library/connection/errors.hpp"
-#include "client/library/connection/replicas.hpp"
+#include "client/library/connection/route.hpp"
 #include "client/library/publishing/shape_encoding.hpp"
 #include "idl/command_table.hpp"
 #include "idl/outside_text.hpp"
@@ -158,9 +158,9 @@ Result<std::string> command_with_blob(Connection& connection, std::string_view n
   const wire_contract::QueryRight right = right_of(name, *text);
   std::int64_t changed_ns = 0;
   Result<std::string> answer = run_command(connection, name, *text, right, blob, timeout, progress, changed_ns);
-  if (right != wire_contract::QueryRight::ask && connection.replicas() != nullptr) {
-    if (answer) connection.replicas()->note_change(changed_ns);
-    else connection.replicas()->note_possible_change();
+  if (right != wire_contract::QueryRight::ask && connection.route() != nullptr) {
+    if (answer) connection.route()->note_change(changed_ns);
+    else connection.route()->note_possible_change();
   }
   return answer;
 }

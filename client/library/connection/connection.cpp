@@ -7,7 +7,7 @@
 #include "client/library/connection/errors.hpp"
 #include "client/library/connection/greeting_turn.hpp"
 #include "client/library/connection/local_process.hpp"
-#include "client/library/connection/replicas.hpp"
+#include "client/library/connection/route.hpp"
 #include "idl/peers.hpp"
 #include "idl/presence.hpp"
 
@@ -58,7 +58,7 @@ Connection::Connection(const ConnectOptions& options, std::shared_ptr<dds::Parti
                   return !known_server_.is_known() ||
                          (!is_past && is_from_server(reply_reader_, reply.info(), reply->server));
                 }),
-      replicas_(options.replicas && !is_beside ? std::make_unique<Replicas>(*this) : nullptr),
+      route_(options.replicas && !is_beside ? make_route(*this) : nullptr),
       reply_topic_(*participant_, options.name_space),
       status_topic_(*participant_, options.name_space),
       reply_reader_(reply_topic_, {.data = [this](dds::Taker<wire::Reply> taker) { requests_.take_replies(taker); },
@@ -74,9 +74,9 @@ void Connection::hear_status(const dds::Taker<wire::Status>& taker) {
     if (!known_server_.is_known()) keep_until_greeted(incoming_status_);
     else if (is_from_server_or_its_heir(incoming_status_)) pulse_.hear(incoming_status_);
   }
-  if (!replicas_ || replicas_->has_company() || !known_server_.is_known()) return;
+  if (!route_ || route_->has_company() || !known_server_.is_known()) return;
   try {
-    if (status_reader_.matched_writers() > 1) replicas_->note_company();
+    if (status_reader_.matched_writers() > 1) route_->note_company();
   } catch (const dds::DdsError&) {}  // the reader is being deleted
 }
 

@@ -19,7 +19,7 @@
 
 namespace collided::client {
 
-class Replicas;
+class Route;
 
 /// The last message of a publisher, for questions whose answers must take it into account.
 struct WriteBarrier {
@@ -48,8 +48,8 @@ class Connection {
   std::uint64_t client() const { return client_; }
   Requests& requests() { return requests_; }
   Names& names() { return names_; }
-  /// Null: they are not to be asked, or this is one.
-  Replicas* replicas() { return replicas_.get(); }
+  /// Null: the server of this connection alone is asked.
+  Route* route() { return route_.get(); }
   ServerPulse& pulse() { return pulse_; }
   const ServerPulse& pulse() const { return pulse_; }
   /// Whether a sample that this reader took was written by the server, which then lives. Any thread, DDS's too.
@@ -110,7 +110,7 @@ class Connection {
   dds::Sample<wire::Status> incoming_status_;
   std::mutex early_mutex_;
   EarlyStatuses early_;  // from before somebody has answered hello
-  std::unique_ptr<Replicas> replicas_;
+  std::unique_ptr<Route> route_;
   std::mutex greeting_mutex_;
   std::array<std::atomic<std::uint64_t>, wire_contract::kQueryRights.size()>
       greeted_server_{};  // by the writer's place

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "client/library/shards/shard_instants.hpp"
-#include "client/library/shards/shard_links.hpp"
+#include "client/fleet/shards/shard_instants.hpp"
+#include "client/fleet/shards/shard_links.hpp"
 #include "idl/shards/shard_map.hpp"
 
 namespace collided::client {

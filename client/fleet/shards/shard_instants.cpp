@@ -1,4 +1,4 @@
-#include "client/library/shards/shard_instants.hpp"
+#include "client/fleet/shards/shard_instants.hpp"
 
 #include <algorithm>
 #include <future>

@@ -1,4 +1,4 @@
-#include "client/library/shards/episode_merge.hpp"
+#include "client/fleet/shards/episode_merge.hpp"
 
 #include <algorithm>
 #include <array>

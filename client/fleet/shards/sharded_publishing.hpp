@@ -12,7 +12,7 @@
 
 #include "client/library/connection/server_pulse.hpp"
 #include "client/library/publishing/published_objects.hpp"
-#include "client/library/shards/shard_links.hpp"
+#include "client/fleet/shards/shard_links.hpp"
 #include "collided/shards.hpp"
 
 namespace collided::client {

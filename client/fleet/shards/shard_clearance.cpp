@@ -10,9 +10,9 @@
 #include <vector>
 
 #include "client/library/connection/errors.hpp"
-#include "client/library/shards/every_shard.hpp"
-#include "client/library/shards/shard_holdings.hpp"
-#include "client/library/shards/shard_pairs.hpp"
+#include "client/fleet/shards/every_shard.hpp"
+#include "client/fleet/shards/shard_holdings.hpp"
+#include "client/fleet/shards/shard_pairs.hpp"
 
 namespace collided::client {
 namespace {

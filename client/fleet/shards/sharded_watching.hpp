@@ -11,8 +11,8 @@
 #include <thread>
 #include <vector>
 
-#include "client/library/shards/episode_merge.hpp"
-#include "client/library/shards/shard_links.hpp"
+#include "client/fleet/shards/episode_merge.hpp"
+#include "client/fleet/shards/shard_links.hpp"
 #include "client/library/watching/event_queue.hpp"
 #include "client/library/watching/watch.hpp"
 #include "collided/shards.hpp"

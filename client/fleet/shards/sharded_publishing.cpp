@@ -1,4 +1,4 @@
-#include "client/library/shards/sharded_publishing.hpp"
+#include "client/fleet/shards/sharded_publishing.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -11,7 +11,7 @@
 #include "client/library/asking/question_encoding.hpp"
 #include "client/library/connection/errors.hpp"
 #include "client/library/publishing/publisher.hpp"
-#include "client/library/shards/shape_reach.hpp"
+#include "client/fleet/shards/shape_reach.hpp"
 #include "idl/clocks.hpp"
 
 namespace collided::client {

@@ -1,4 +1,4 @@
-#include "client/library/shards/sharded_watching.hpp"
+#include "client/fleet/shards/sharded_watching.hpp"
 
 #include <algorithm>
 #include <utility>

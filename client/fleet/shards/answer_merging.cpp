@@ -1,4 +1,4 @@
-#include "client/library/shards/answer_merging.hpp"
+#include "client/fleet/shards/answer_merging.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -11,7 +11,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "client/library/shards/question_reach.hpp"
+#include "client/fleet/shards/question_reach.hpp"
 
 namespace collided::client {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/library/shards/shard_holdings.hpp"
+#include "client/fleet/shards/shard_holdings.hpp"
 
 #include <algorithm>
 

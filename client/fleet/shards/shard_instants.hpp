@@ -5,7 +5,7 @@
 #include <optional>
 #include <vector>
 
-#include "client/library/shards/shard_links.hpp"
+#include "client/fleet/shards/shard_links.hpp"
 
 namespace collided::client {
 

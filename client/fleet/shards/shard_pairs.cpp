@@ -1,12 +1,12 @@
-#include "client/library/shards/shard_pairs.hpp"
+#include "client/fleet/shards/shard_pairs.hpp"
 
 #include <memory>
 #include <optional>
 #include <utility>
 #include <vector>
 
-#include "client/library/shards/every_shard.hpp"
-#include "client/library/shards/shard_holdings.hpp"
+#include "client/fleet/shards/every_shard.hpp"
+#include "client/fleet/shards/shard_holdings.hpp"
 
 namespace collided::client {
 namespace {

@@ -1,4 +1,4 @@
-#include "client/library/shards/sharded_publishing.hpp"
+#include "client/fleet/shards/sharded_publishing.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -10,23 +10,18 @@
 #include <thread>
 #include <vector>
 
-#include "client/library/connection/server_pulse.hpp"
+#include "client/library/connection/route.hpp"
 #include "idl/dds.hpp"
 
 namespace collided::client {
 
-class Connection;
-
-/// The replicas of a connection's server, and who is asked next: whoever has the fewest of this client's questions; of
-/// several with as few one on this machine, and in turn. Until DDS shows that other servers are there, this costs nothing:
-/// no thread, no topic.
-///
-/// threads  any
-class Replicas {
+/// The replicas of a connection's server. The next question goes to the server with the fewest of this client's questions;
+/// of several with as few, to one on this machine, and in turn. The primary is asked what a replica refuses or does not
+/// answer. Until DDS shows that other servers are there, this costs nothing: no thread, no topic.
+class Replicas : public Route {
   struct ReplicaPlace;
 
- public:
-  /// Who is asked, and counts as busy for as long as this is kept.
+  /// The server that is asked. It counts as busy for as long as this is kept.
   class AskedServer {
    public:
     AskedServer(Replicas& owner, std::shared_ptr<ReplicaPlace> place, std::shared_ptr<Connection> connection)
@@ -44,32 +39,28 @@ class Replicas {
     std::shared_ptr<Connection> connection_;
   };
 
-  /// primary  whose replicas these are; it must outlive this
+ public:
   explicit Replicas(Connection& primary);
-  ~Replicas();
-  Replicas(const Replicas&) = delete;
-  Replicas& operator=(const Replicas&) = delete;
+  ~Replicas() override;
 
-  /// Other servers write the namespace's status: from the next question on replicas are looked for.
-  void note_company() { has_company_.store(true, std::memory_order_relaxed); }
-  /// Whether there is anybody but the primary.
-  bool has_company() const { return has_company_.load(std::memory_order_relaxed); }
+  void note_company() override { has_company_.store(true, std::memory_order_relaxed); }
+  bool has_company() const override { return has_company_.load(std::memory_order_relaxed); }
 
-  /// Who is to be asked.
-  /// as_primary  the primary, unless that is silent and a replica is not
-  AskedServer next(bool as_primary);
+  /// The error is that of the primary, or of a replica where the primary is silent. A settled state that another server has
+  /// passed already is waited for, half of the question's timeout at most.
+  std::optional<Error> ask(const AskOnce& once, const AskOptions& options, const Answers& answers,
+                           Clock::time_point deadline) override;
 
-  /// A command of this client has changed the world by then, world time. Replicas are asked again once each was found to
-  /// hold the primary's world at a later instant.
-  void note_change(std::int64_t world_time_ns);
-  /// A command failed, and may have been carried out.
-  void note_possible_change();
-
-  /// World time of the newest settled state that this client has had an answer about.
-  std::int64_t settled_ns() const { return settled_ns_.load(std::memory_order_relaxed); }
-  void note_settled(std::int64_t world_time_ns);
+  /// Replicas are asked again once each was found to hold the primary's world at a later instant.
+  void note_change(std::int64_t world_time_ns) override;
+  void note_possible_change() override;
 
  private:
+  /// The server to be asked.
+  /// as_primary  the primary, unless that is silent and a replica is not
+  AskedServer next(bool as_primary);
+  void note_settled(std::int64_t world_time_ns);
+
   /// What a server said that its world was at an instant.
   struct SaidWorld {
     std::int64_t time_ns = 0;
@@ -95,9 +86,9 @@ class Replicas {
 
   Connection& primary_;
   std::atomic<bool> has_company_{false};
-  std::atomic<std::int64_t> settled_ns_{0};
-  std::mutex mutex_;                                             // for the next five
-  const std::shared_ptr<ReplicaPlace> own_place_;                // of the primary
+  std::atomic<std::int64_t> settled_ns_{0};        // world time of the newest settled state that an answer was about
+  std::mutex mutex_;                               // for the next five
+  const std::shared_ptr<ReplicaPlace> own_place_;  // of the primary
   std::map<std::string, std::shared_ptr<ReplicaPlace>> places_;  // of replicas, by name
   std::int64_t changed_ns_ = 0;                                  // world time
   std::size_t turn_ = 0;

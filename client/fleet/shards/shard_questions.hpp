@@ -2,7 +2,7 @@
 
 #include <span>
 
-#include "client/library/shards/shard_links.hpp"
+#include "client/fleet/shards/shard_links.hpp"
 
 namespace collided::client {
 

@@ -1,4 +1,4 @@
-#include "client/library/shards/question_reach.hpp"
+#include "client/fleet/shards/question_reach.hpp"
 
 #include <algorithm>
 #include <array>

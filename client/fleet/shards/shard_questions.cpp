@@ -1,4 +1,4 @@
-#include "client/library/shards/shard_questions.hpp"
+#include "client/fleet/shards/shard_questions.hpp"
 
 #include <algorithm>
 #include <array>
@@ -12,9 +12,9 @@
 
 #include "client/library/asking/question_encoding.hpp"
 #include "client/library/connection/errors.hpp"
-#include "client/library/shards/answer_merging.hpp"
-#include "client/library/shards/question_reach.hpp"
-#include "client/library/shards/shard_instants.hpp"
+#include "client/fleet/shards/answer_merging.hpp"
+#include "client/fleet/shards/question_reach.hpp"
+#include "client/fleet/shards/shard_instants.hpp"
 #include "idl/topics.hpp"
 
 namespace collided::client {

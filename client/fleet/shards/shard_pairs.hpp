@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "client/library/shards/shard_links.hpp"
+#include "client/fleet/shards/shard_links.hpp"
 #include "collided/shards.hpp"
 
 namespace collided::client {

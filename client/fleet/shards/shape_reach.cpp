@@ -1,4 +1,4 @@
-#include "client/library/shards/shape_reach.hpp"
+#include "client/fleet/shards/shape_reach.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "client/library/shards/map_reading.hpp"
+#include "client/fleet/shards/map_reading.hpp"
 
 #include "client/library/connection/errors.hpp"
 #include "idl/shards/shard_map_source.hpp"

@@ -14,7 +14,7 @@
 #include <nlohmann/json.hpp>
 
 #include "client/library/connection/errors.hpp"
-#include "client/library/shards/split_maps.hpp"
+#include "client/fleet/shards/split_maps.hpp"
 #include "collided/shards.hpp"
 #include "idl/commands.hpp"
 #include "idl/shards/shard_map.hpp"

@@ -1,4 +1,4 @@
-#include "client/library/connection/replicas.hpp"
+#include "client/fleet/replicas.hpp"
 
 #include <algorithm>
 #include <utility>
@@ -16,12 +16,23 @@ using std::chrono::nanoseconds;
 constexpr std::size_t kMostReplicas = 16;
 /// Instants that are remembered, since one server may be some seconds ahead of the other.
 constexpr std::size_t kMostSaid = 8;
-/// Whoever says nothing for so long is not coming back by itself.
+/// A replica that says nothing for so long is not coming back by itself.
 constexpr nanoseconds kForgotten = std::chrono::seconds(30);
 /// How long a replica may take to answer the first greeting; it is greeted again later.
 constexpr nanoseconds kGreeting = milliseconds(500);
 
+/// Whether another server may have a better answer than this one of a replica: of a later state, where this client has seen
+/// one, or with an object that is still on its way to the replica.
+bool is_behind(const Answers& answers, const AskOptions& options, std::int64_t seen_settled_ns) {
+  if (options.as_of.kind == Instant::Kind::settled) return answers.world_time.count() < seen_settled_ns;
+  return options.as_of.kind == Instant::Kind::at && std::ranges::any_of(answers.answers, [](const Answer& answer) {
+           return answer.reason == UndecidedReason::stale_object;
+         });
+}
+
 }  // namespace
+
+std::unique_ptr<Route> make_route(Connection& primary) { return std::make_unique<Replicas>(primary); }
 
 Replicas::AskedServer::~AskedServer() {
   if (!place_) return;
@@ -48,7 +59,7 @@ bool Replicas::is_usable(const ReplicaPlace& place) const {
 Replicas::AskedServer Replicas::next(bool as_primary) {
   if (!has_company()) return {*this, nullptr, nullptr};
   const std::lock_guard lock(mutex_);
-  // Who asks once and ends need not know.
+  // A program that asks once and ends need not know.
   if (turn_ > 0 && !std::exchange(is_looking_, true)) {
     waitset_ = std::make_unique<dds::WaitSet>(primary_.participant());
     thread_ = std::thread([this] { run(); });
@@ -68,6 +79,27 @@ Replicas::AskedServer Replicas::next(bool as_primary) {
       could, {}, [](const auto& place) { return std::pair(place->asked, place->is_elsewhere); });
   ++chosen->asked;
   return {*this, chosen, chosen->connection};
+}
+
+std::optional<Error> Replicas::ask(const AskOnce& once, const AskOptions& options, const Answers& answers,
+                                   Clock::time_point deadline) {
+  constexpr int kMostTries = 4;  // where the primary is silent, so that replicas are tried again
+  constexpr milliseconds kLook{1};
+  const std::int64_t seen_settled_ns = settled_ns_.load(std::memory_order_relaxed);
+  const Clock::time_point waits_until = deadline - options.timeout / 2;
+  for (int tries = 1;; ++tries) {
+    const AskedServer asked = next(tries > 1);
+    const std::optional<Error> error = once(asked.replica() == nullptr ? primary_ : *asked.replica());
+    const bool is_gone = error && error->code == ErrorCode::disconnected;
+    const bool is_poor = error || is_behind(answers, options, seen_settled_ns);
+    const bool may_others_know = is_gone || (asked.replica() != nullptr && is_poor);
+    if (may_others_know && tries < kMostTries && Clock::now() < deadline) continue;
+    if (error || options.as_of.kind != Instant::Kind::settled) return error;
+    if (answers.world_time.count() >= seen_settled_ns || Clock::now() >= waits_until) break;
+    std::this_thread::sleep_for(kLook);
+  }
+  note_settled(answers.world_time.count());
+  return std::nullopt;
 }
 
 void Replicas::note_change(std::int64_t world_time_ns) {

@@ -1,4 +1,4 @@
-#include "client/library/shards/shard_links.hpp"
+#include "client/fleet/shards/shard_links.hpp"
 
 #include <algorithm>
 #include <bit>

@@ -1,9 +1,9 @@
-#include "client/library/shards/split_maps.hpp"
+#include "client/fleet/shards/split_maps.hpp"
 
 #include <utility>
 
 #include "client/library/connection/errors.hpp"
-#include "client/library/shards/map_reading.hpp"
+#include "client/fleet/shards/map_reading.hpp"
 #include "idl/shards/shard_map_source.hpp"
 
 namespace collided::client {
