@@ -11,9 +11,11 @@ CommandThreads::CommandThreads() {
   slow_jobs_.serve("loads", [](const Job& job) { job(); });
   const auto staff = [](const char* name, FairQueue<Job>& jobs) {
     jobs.staff(1, [name, &jobs] {
-      serve_here(name, [&] {
-        while (std::optional<Job> job = jobs.pop()) (*job)();
-      });
+      return [name, &jobs] {
+        serve_here(name, [&] {
+          while (std::optional<Job> job = jobs.pop()) (*job)();
+        });
+      };
     });
   };
   staff("pairs", pair_jobs_);

@@ -6,6 +6,7 @@
 #include <array>
 #include <chrono>
 #include <future>
+#include <memory>
 #include <thread>
 #include <tuple>
 #include <nlohmann/json.hpp>
@@ -38,8 +39,9 @@ Answering::Answering(const Collaborators& with, const dds::Topic<wire::Reply>& r
   with_.leases.on_ready([this](AskPointer ask) { enqueue(std::move(ask)); });
   listening_worker_ = std::make_unique<Worker>(*this, kListeningNs);
   const std::size_t threads = std::max(1U, options.threads);
-  queue_.staff(threads, [this] { Worker(*this, kQuestionNs).run(); });
-  costly_.staff(std::min(threads, kMostCostlyThreads), [this] { Worker(*this, 0).run_costly(); });
+  queue_.staff(threads, [this] { return [worker = std::make_shared<Worker>(*this, kQuestionNs)] { worker->run(); }; });
+  costly_.staff(std::min(threads, kMostCostlyThreads),
+                [this] { return [worker = std::make_shared<Worker>(*this, 0)] { worker->run_costly(); }; });
 }
 
 Answering::~Answering() {

@@ -1,8 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <exception>
 #include <functional>
-#include <system_error>
 #include <thread>
 #include <utility>
 #include <vector>
@@ -15,17 +15,21 @@ namespace collided::engine::service {
 /// threads  as the queue's lock guards it; join() without the lock, once the queue is closed
 class Crew {
  public:
-  /// body  what each thread does: takes work until the queue is closed
-  Crew(std::size_t most, std::function<void()> body) : most_(most), body_(std::move(body)) { threads_.reserve(most); }
+  /// The work of one thread: takes items until the queue is closed.
+  using Shift = std::function<void()>;
+  /// begin  makes what a new thread needs, on the thread that adds the work, and returns the new one's shift
+  Crew(std::size_t most, std::function<Shift()> begin) : most_(most), begin_(std::move(begin)) {
+    threads_.reserve(most);
+  }
 
   std::size_t most() const { return most_; }
   /// Threads that are not started yet.
   std::size_t spare() const { return most_ - threads_.size(); }
-  /// Starts one, if there may be one more. False: none runs, since the system has no room for a thread.
+  /// Starts one, if there may be one more. False: none runs, since the system has no room or no memory for a thread.
   bool grow() {
     try {
-      if (spare() > 0) threads_.emplace_back(body_);
-    } catch (const std::system_error&) {
+      if (spare() > 0) threads_.emplace_back(begin_());
+    } catch (const std::exception&) {
       // Those that run do the work, only later.
     }
     return !threads_.empty();
@@ -37,7 +41,7 @@ class Crew {
 
  private:
   std::size_t most_;
-  std::function<void()> body_;
+  std::function<Shift()> begin_;
   std::vector<std::thread> threads_;
 };
 

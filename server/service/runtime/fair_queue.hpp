@@ -46,10 +46,10 @@ class FairQueue {
 
   /// Has threads of its own take the items; each is started when work waits that no other is free for.
   ///
-  /// body  what each does: calls pop() until that has nothing more
-  void staff(std::size_t most, std::function<void()> body) {
+  /// begin  as of Crew; a shift calls pop() until that has nothing more
+  void staff(std::size_t most, std::function<Crew::Shift()> begin) {
     const std::lock_guard lock(mutex_);
-    crew_.emplace(most, std::move(body));
+    crew_.emplace(most, std::move(begin));
     spare_.store(most, std::memory_order_relaxed);
   }
 

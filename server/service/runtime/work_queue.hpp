@@ -28,9 +28,11 @@ class WorkQueue {
   void serve(const char* name, std::function<void(Item)> take) {
     const std::lock_guard lock(mutex_);
     crew_.emplace(1, [this, name, take = std::move(take)] {
-      serve_here(name, [&] {
-        while (std::optional<Item> item = pop()) take(std::move(*item));
-      });
+      return [this, name, take] {
+        serve_here(name, [&] {
+          while (std::optional<Item> item = pop()) take(std::move(*item));
+        });
+      };
     });
   }
 

@@ -4,7 +4,9 @@
 
 #include <atomic>
 #include <map>
+#include <new>
 #include <random>
+#include <system_error>
 #include <thread>
 
 #include "tests/oracle/seed.hpp"
@@ -37,13 +39,15 @@ TEST(FairQueue, ThreadsComeWhenWorkWaitsThatNoneIsFreeFor) {
   std::atomic<bool> may_end{false};
   std::atomic<int> started{0};
   queue.staff(3, [&] {
-    ++started;
-    while (queue.pop()) {
-      ++at_work;
-      while (!may_end.load()) std::this_thread::yield();
-      --at_work;
-      ++done;
-    }
+    return [&] {
+      ++started;
+      while (queue.pop()) {
+        ++at_work;
+        while (!may_end.load()) std::this_thread::yield();
+        --at_work;
+        ++done;
+      }
+    };
   });
   EXPECT_EQ(queue.idle(), 3U);
   for (int item = 1; item <= 5; ++item) {
@@ -62,6 +66,28 @@ TEST(FairQueue, ThreadsComeWhenWorkWaitsThatNoneIsFreeFor) {
   queue.finish();
   EXPECT_EQ(started.load(), 3);
   EXPECT_EQ(done.load(), 6);
+}
+
+// The first two threads find no room and no memory: what nothing would take is refused, and later work is done.
+TEST(FairQueue, WithoutRoomForAThreadWorkIsRefusedAndTheNextIsDone) {
+  FairQueue<int> queue(10'000);
+  int begun = 0;
+  std::atomic<int> done{0};
+  queue.staff(2, [&]() -> Crew::Shift {
+    ++begun;
+    if (begun == 1) throw std::system_error(std::make_error_code(std::errc::resource_unavailable_try_again));
+    if (begun == 2) throw std::bad_alloc();
+    return [&] {
+      while (queue.pop()) ++done;
+    };
+  });
+  EXPECT_FALSE(push(queue, 1, 1, 1));
+  EXPECT_FALSE(push(queue, 1, 1, 2));
+  EXPECT_EQ(queue.refused(), 2U);
+  EXPECT_EQ(queue.waiting(), 0U);
+  EXPECT_TRUE(push(queue, 1, 1, 3));
+  queue.finish();
+  EXPECT_EQ(done.load(), 1);
 }
 
 TEST(FairQueue, KeepsTheOrderOfEachClient) {
