@@ -102,7 +102,11 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
     if (count < room.size()) return;
   }
   // The rest stays with DDS, which makes the clients wait, until a worker or go_on() comes back for it.
-  if (!stopping_.load()) left_in_reader_.store(taker.reader());
+  if (stopping_.load()) return;
+  left_in_reader_.store(taker.reader());
+  // Room or go_on() may have come before that was noted, and found nothing to come back for: then take() goes round again.
+  const bool may_take = !holds_.load() && queue_.has_room();
+  if (may_take && left_in_reader_.exchange(0) != 0) takers_.fetch_add(1);
 }
 
 /// What the keys of whoever asks do not allow; null where they do. Which right a command needs is known once it is read.
