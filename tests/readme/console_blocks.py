@@ -3,8 +3,8 @@
 
 Every line that begins with "$ " in a ```console block is a command; one that ends in a backslash goes on in the next line.
 All of them run in order, on a terminal of 100 columns, in an empty folder with a link to deploy/, against a fresh server
-on the embedded scene. What they write to standard output and standard error is compared line by line; blanks at the end of
-a line do not count.
+on the embedded scene. A "sleep" that gives a program in the background time lasts longer on a busy machine. What the commands
+write to standard output and standard error is compared line by line; blanks at the end of a line do not count.
 
 usage: console_blocks.py DOC COLLIDED COLLIDE [--write] [--domain N] [--least N] [--same MADE FILE]
   --write   put what came out into the document instead of comparing
@@ -36,6 +36,9 @@ VARIES = [(re.compile(pattern), text) for pattern, text in [
     (r"127\.0\.0\.1:[0-9]+", "ADDRESS"),
     # A tree that is fitted to what has moved has other nodes than one built anew; which it is depends on when the steps came.
     (r"\b[0-9]+ nodes? and", "N nodes and")]]
+# What a program in the background does in the time that is slept takes longer on a busy machine. Programs that are started
+# later and do as much, one after the other, take longer by as much: join, find the server, ask it.
+SLEEP = "sleep() { command sleep \"$@\"; for _ in 1 2 3; do collide status --namespace collided -q; done >/dev/null 2>&1; }; "
 # Statistics of a batch: times differ from run to run.
 STATISTICS = re.compile(r"^ [0-9 ]+ (rays|spheres|boxes|points) |^     [0-9.]+ (us|ms|s): ")
 
@@ -69,7 +72,9 @@ def read_until_end(ours, process):
 def run(command, environment, folder):
     """The lines that a command writes, as they stand on the terminal in the end."""
     ours, theirs = terminal()
-    process = subprocess.Popen(["bash", "-c", command], stdin=subprocess.DEVNULL, stdout=theirs, stderr=theirs,
+    # A loop that sleeps waits for a condition of its own.
+    program = command if command.startswith("until ") else SLEEP + command
+    process = subprocess.Popen(["bash", "-c", program], stdin=subprocess.DEVNULL, stdout=theirs, stderr=theirs,
                                env=environment, cwd=folder, start_new_session=True,
                                close_fds=False)  # what goes on in the background keeps the claim of its domain
     # Our end of what it writes to stays open: a terminal that nobody writes to any more may lose the last line.
