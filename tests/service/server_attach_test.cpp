@@ -45,7 +45,7 @@ TEST_F(ServerAttach, AnAttachedObjectMovesWithThePublishersObjectAndIsToldSo) {
   const Result<Publisher::Object> hand = publisher.add(box("robot/hand", {0, 0, 100}));
   ASSERT_TRUE(hand);
   ASSERT_TRUE(publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   add(client, "crate", {2, 0, 100});
   add(client, "post", {6, 0, 100}, false);
   Result<Watch> watching = client.watch({.only = "crate"});
@@ -56,7 +56,7 @@ TEST_F(ServerAttach, AnAttachedObjectMovesWithThePublishersObjectAndIsToldSo) {
   // Over the post and beyond it, in one motion: what is carried is swept.
   ASSERT_TRUE(publisher.move(*hand, at(10, 0, 100)));
   ASSERT_TRUE(publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   EXPECT_EQ(place_of(client, "crate"), Vec3(12, 0, 100));
   std::vector<Event> told;
   ASSERT_TRUE(test::eventually([&] {
@@ -100,7 +100,7 @@ TEST_F(ServerAttach, ItEndsWithItsParentAndAClaimWaitsForIt) {
   const Result<std::string> removed = client.command("remove", R"({"name": "hand"})");
   ASSERT_TRUE(removed);
   EXPECT_EQ(nlohmann::json::parse(*removed)["detached"], nlohmann::json::array({"crate"}));
-  EXPECT_TRUE(test::eventually([&] { return static_cast<bool>(publisher.wait_applied(5s)); }));
+  EXPECT_TRUE(test::eventually([&] { return static_cast<bool>(publisher.wait_applied(20s)); }));
   EXPECT_EQ(client.get("crate")->publisher, "robot");
 }
 
@@ -111,7 +111,7 @@ TEST_F(ServerAttach, AttachmentsOutliveAKillAndWaitForThePublisher) {
   Publisher publisher = publish(*client, "robot");
   const Result<Publisher::Object> hand = publisher.add(box("robot/hand", {0, 0, 100}));
   ASSERT_TRUE(hand && publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   add(*client, "crate", {2, 0, 100});
   add(*client, "label", {2, 2, 100});
   add(*client, "free", {9, 9, 100});
@@ -121,7 +121,7 @@ TEST_F(ServerAttach, AttachmentsOutliveAKillAndWaitForThePublisher) {
            {"crate", "robot/hand"}, {"label", "crate"}, {"free", "crate"}, {"lost", "gone"}})
     ASSERT_EQ(why_not(*client, child, parent), "");
   ASSERT_TRUE(publisher.move(*hand, at(0, 5, 100)));
-  ASSERT_TRUE(publisher.flush() && publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.flush() && publisher.wait_applied(20s));
   ASSERT_TRUE(client->detach("free"));
   ASSERT_TRUE(client->remove("gone"));
   servers_.back()->signal(SIGKILL);
@@ -141,7 +141,7 @@ TEST_F(ServerAttach, AttachmentsOutliveAKillAndWaitForThePublisher) {
   EXPECT_EQ(client->get("free")->attached_to, "");
   EXPECT_EQ(client->get("lost")->attached_to, "");
   ASSERT_TRUE(publisher.move(*hand, at(1, 5, 100)));
-  ASSERT_TRUE(publisher.flush() && publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.flush() && publisher.wait_applied(20s));
   EXPECT_EQ(place_of(*client, "crate"), Vec3(3, 5, 100));
 }
 
@@ -270,7 +270,7 @@ TEST_F(ServerAttach, APublishersMeshIsSolidWhereItCloses) {
   EXPECT_EQ(refused.error().message.find("object 'open' is not in the world: it is not solid: "), 0U)
       << refused.error().message;
   ASSERT_TRUE(publisher.remove(*open));
-  EXPECT_TRUE(publisher.wait_applied(5s));
+  EXPECT_TRUE(publisher.wait_applied(20s));
 }
 
 }  // namespace

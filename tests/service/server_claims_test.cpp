@@ -38,7 +38,7 @@ TEST_F(ServerClaims, ATakenNameIsAnErrorOfTheWaitAndEntersOnceItIsFree) {
   Client client = connect();
   Publisher publisher = publish(client, "robot");
   add_ball(publisher, "free", at(40, 40, 40));
-  EXPECT_TRUE(publisher.wait_applied(5s));
+  EXPECT_TRUE(publisher.wait_applied(20s));
   add_ball(publisher, "warehouse/floor", at(50, 50, 50));
   const Publisher::Object second = add_ball(publisher, "late", at(60, 60, 60));
   const Result<void> applied = publisher.wait_applied(5s);
@@ -49,7 +49,7 @@ TEST_F(ServerClaims, ATakenNameIsAnErrorOfTheWaitAndEntersOnceItIsFree) {
   move(publisher, second, at(61, 60, 60));
   EXPECT_FALSE(publisher.wait_applied(5s)) << "it is still so";
   ASSERT_TRUE(client.clear({.scene = "warehouse"}));
-  EXPECT_TRUE(test::eventually([&] { return static_cast<bool>(publisher.wait_applied(5s)); }));
+  EXPECT_TRUE(test::eventually([&] { return static_cast<bool>(publisher.wait_applied(20s)); }));
   EXPECT_TRUE(client.get("warehouse/floor"));
   EXPECT_EQ(client.get("late")->position, Vec3(61, 60, 60));
 }
@@ -60,7 +60,7 @@ TEST_F(ServerClaims, AWaitOutlastsAServersSilence) {
   Client client = connect();
   Publisher publisher = publish(client, "robot");
   add_ball(publisher, "ball", at(40, 40, 40));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   server.signal(SIGSTOP);
   add_ball(publisher, "late", at(50, 50, 50));
   std::jthread again([&] {
@@ -144,7 +144,7 @@ TEST_F(ServerClaims, AScenesLinksAreDrivenByThePublisherThatClaimsThem) {
       const std::vector<JointValue> bent{{"shoulder", step * std::acos(-1.0) / 180}};
       ASSERT_TRUE(arm->set_joints(publisher, bent));
       ASSERT_TRUE(publisher.flush());
-      ASSERT_TRUE(publisher.wait_applied(5s));
+      ASSERT_TRUE(publisher.wait_applied(20s));
     }
     EXPECT_NEAR((client.get("arm/hand")->pose->position - Vec3(0.9, 0, 0.1)).norm(), 0, 1e-15);
     const Event began = next(*watching);
@@ -229,7 +229,7 @@ TEST_F(ServerClaims, AfterACrashTheLinksAreClaimedAgainAtTheirNewestPoses) {
   const std::vector<JointValue> bent{{"shoulder", std::acos(-1.0) / 2}};
   ASSERT_TRUE(arm->set_joints(publisher, bent));
   ASSERT_TRUE(publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   servers_.back()->signal(SIGKILL);
   servers_.back()->wait(10s);
   start({}, "again");

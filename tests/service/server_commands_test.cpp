@@ -121,7 +121,7 @@ TEST_F(ServerCommands, ObjectsOfALivePublisherAreItsOwn) {
   Client client = connect();
   Publisher publisher = publish(client, "owner");
   add_ball(publisher, "ball", at(6, 0, 1));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   EXPECT_EQ(refusal(client, "remove", {{"name", "ball"}}),
             "server refused: object 'ball' belongs to publisher 'owner', which lives");
   EXPECT_EQ(done(client, "clear", {{"moving", true}})["kept"], 1);

@@ -25,13 +25,13 @@ TEST_F(ServerEvents, WhatMovesWhileItIsDefinedAgainIsMovedAndNotPlaced) {
   const Publisher::Object lid = add_ball(publisher, "lid", at(3, 0, 20.15));
   add_ball(publisher, "pot", at(3, 0, 20));
   move(publisher, ball, at(2, 0, 20));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   Watch watching = watch(client);
   EXPECT_EQ(next(watching).kind, EventKind::open);
   std::this_thread::sleep_for(std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs) + 200ms);
   ASSERT_TRUE(publisher.move(ball, at(-2, 0, 20)));
   move(publisher, lid, at(3, 0, 20.16));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   const Event began = next(watching);
   EXPECT_EQ(began.kind, EventKind::began);
   EXPECT_EQ(std::min(began.a, began.b), "ball");
@@ -72,7 +72,7 @@ TEST_F(ServerEvents, PosesInAHurryAreEachLookedAt) {
     move(publisher, ball, at(6, 0, 0.05));
     move(publisher, ball, at(6, 0, 1));
   }
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   for (int i = 0; i < kTouches; ++i) {
     ASSERT_EQ(next(events).kind, EventKind::began) << i;
     ASSERT_EQ(next(events).kind, EventKind::ended) << i;
@@ -108,7 +108,7 @@ TEST_F(ServerEvents, ASilentPublishersPlaceIsNotCalledFreeBeforeItIsForgotten) {
   Publisher publisher = publish(client, "tracker", 300ms);
   const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 3));
   move(publisher, ball, at(6, 0, 3));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   const auto ask = [&] { return client.ask(SphereQuestion{.center = {6, 0, 3}, .radius_m = 0.05}); };
   Result<Answer> answer = ask();
   ASSERT_EQ(answer->verdict, Verdict::hit);
@@ -126,7 +126,7 @@ TEST_F(ServerEvents, ASilentPublishersPlaceIsNotCalledFreeBeforeItIsForgotten) {
   ASSERT_TRUE(flushed);
   EXPECT_NE(flushed->lost.find("publisher 'tracker' was silent for "), std::string::npos) << flushed->lost;
   EXPECT_NE(flushed->lost.find("publish with a longer lease"), std::string::npos) << flushed->lost;
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   EXPECT_EQ(client.ask(SphereQuestion{.center = {6, 0, 3}, .radius_m = 0.05}, {.fresh = true})->verdict, Verdict::hit);
 }
 
@@ -161,7 +161,7 @@ TEST_F(ServerEvents, AFrozenObjectStaysAndIsStale) {
   Publisher publisher = publish(client, "silent", 500ms);
   const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1), LostPolicy::freeze);
   move(publisher, ball, at(6, 0, 2));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   const RayQuestion down{.origin = {6, 0, 5}, .direction = {0, 0, -1}};
   EXPECT_EQ(client.ask(down)->verdict, Verdict::hit);
   Result<Answer> stale = client.ask(down);
@@ -171,7 +171,7 @@ TEST_F(ServerEvents, AFrozenObjectStaysAndIsStale) {
   EXPECT_EQ(stale->hits[0].object, "ball");
   EXPECT_TRUE(stale->hits[0].stale);
   move(publisher, ball, at(6, 0, 2));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   EXPECT_FALSE(client.ask(down, {.fresh = true})->hits.at(0).stale);
 }
 
@@ -181,7 +181,7 @@ TEST_F(ServerEvents, WhoComesLateGetsWhatIsOpen) {
   Publisher publisher = publish(client, "thrower");
   const Publisher::Object ball = add_ball(publisher, "ball", at(6, 0, 1));
   move(publisher, ball, at(6, 0, 0.05));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   Client late = connect();
   Watch events = watch(late);
   std::optional<Event> open;
@@ -220,7 +220,7 @@ TEST_F(ServerEvents, ANameIsGivenOnForWhoWaits) {
   std::optional<Publisher> first = publish(first_client, "first");
   Publisher second = publish(second_client, "second");
   add_ball(*first, "ball", at(6, 0, 3));
-  ASSERT_TRUE(first->wait_applied(5s));
+  ASSERT_TRUE(first->wait_applied(20s));
   const Publisher::Object wanted = add_ball(second, "ball", at(6, 0, 1));
   move(second, wanted, at(6, 0, 0.05));
   const Result<void> applied = second.wait_applied(5s);
@@ -349,7 +349,7 @@ TEST_F(ServerEvents, ADeadServersReaderHoldsNobodyUp) {
     std::this_thread::sleep_for(10ms);
   }
   EXPECT_EQ(held_up, 0);
-  EXPECT_TRUE(publisher.wait_applied(5s));
+  EXPECT_TRUE(publisher.wait_applied(20s));
   const auto leaving = std::chrono::steady_clock::now();
   { const Publisher gone = std::move(publisher); }
   { const Client gone = std::move(client); }
@@ -380,7 +380,7 @@ TEST_F(ServerEvents, ADeadServersReaderHoldsNoCrowdUp) {
     std::this_thread::sleep_for(20ms);
   }
   EXPECT_EQ(held_up, 0) << "flushes; the slowest took " << slowest_ms << " ms";
-  EXPECT_TRUE(publisher.wait_applied(5s));
+  EXPECT_TRUE(publisher.wait_applied(20s));
 }
 
 // Objects and scenes that commands added are there again after a crash and after a stop; those that were removed are not.

@@ -78,7 +78,7 @@ TEST_F(ServerExplain, AnInstantOfThePastIsExplainedAsItWas) {
   Publisher publisher = publish(client, "flight");
   const Publisher::Object drone = add_ball(publisher, "drone", at(5, -4, 50));
   const std::int64_t end_ns = fly(publisher, drone, at(5, 4, 50)).count();
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   const json ray{0, 0, 50, 1, 0, 0};
   const json now = explained(client, {{"ray", ray}});
   EXPECT_EQ(now.at("answer"), "miss");
@@ -114,9 +114,9 @@ TEST_F(ServerExplain, AFenceSaysWhoIsInHowDeepAndWhoIsNot) {
   add_ball(publisher, "ball_out", at(8, 5, 50));
   add_ball(publisher, "cart", at(5, 5, 50));
   ASSERT_TRUE(publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   move(publisher, in, at(5, 5, 50.25));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   const json answer = explained(client, {{"standing", "dock"}, {"why_not", "ball_out"}});
   EXPECT_EQ(answer.at("looked_at"), 2);
   ASSERT_EQ(answer.at("holds").size(), 1u);

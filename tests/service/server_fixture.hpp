@@ -27,7 +27,7 @@ class ServerTest : public ServerProcess {
     EXPECT_TRUE(publisher) << publisher.error().message;
     return std::move(*publisher);
   }
-  static Event next(Watch& watch, milliseconds wait = seconds(5)) {
+  static Event next(Watch& watch, milliseconds wait = seconds(20)) {
     const std::optional<Event> event = watch.next(wait);
     EXPECT_TRUE(event) << "no event in time";
     return event.value_or(Event{});

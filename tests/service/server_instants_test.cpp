@@ -57,8 +57,8 @@ TEST_F(ServerInstants, MoversOfTwoPublishersAreAskedForAtOneInstant) {
     if (tenth <= 5) ASSERT_TRUE(other.flush(began + tenth * 100ms));
     else say(other, b, 30 - (tenth - 5), began + tenth * 100ms);
   }
-  ASSERT_TRUE(one.wait_applied(5s));
-  ASSERT_TRUE(other.wait_applied(5s));
+  ASSERT_TRUE(one.wait_applied(20s));
+  ASSERT_TRUE(other.wait_applied(20s));
   ASSERT_TRUE(settled_until(client, began + 1500ms));
   EXPECT_EQ(met(client, 7.5, instant(began + 750ms)), "a");
   EXPECT_EQ(met(client, 27.5, instant(began + 750ms)), "b");

@@ -231,7 +231,7 @@ TEST_F(ServerKeeping, AnAttachmentToAPublishersObjectHoldsAgainOnceThatIsThere) 
     Client client = connect();
     Publisher publisher = publish(client, "driver");
     add_ball(publisher, "truck", at(60, 0, 9));
-    ASSERT_TRUE(publisher.wait_applied(5s));
+    ASSERT_TRUE(publisher.wait_applied(20s));
     add(client, "crate", 60.5);
     done(client, "attach", {{"child", "crate"}, {"parent", "truck"}});
     stop();
@@ -242,7 +242,7 @@ TEST_F(ServerKeeping, AnAttachmentToAPublishersObjectHoldsAgainOnceThatIsThere) 
   EXPECT_EQ(names(client, "*crate"), Names{"crate"});
   Publisher publisher = publish(client, "driver");
   const Publisher::Object truck = add_ball(publisher, "truck", at(60, 0, 9));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   // A tenth of a second may pass before it is attached: then it keeps its place beside the truck.
   const auto y = [&] { return done(client, "get", {{"name", "crate"}})["pose"].at(1).get<double>(); };
   double way = 0;
@@ -261,7 +261,7 @@ TEST_F(ServerKeeping, AnAttachmentThatWaitsForItsParentIsGivenUpByDetach) {
     add(client, "crate", 60.5);
     Publisher publisher = publish(client, "driver");
     add_ball(publisher, "other truck", at(62, 0, 9));
-    ASSERT_TRUE(publisher.wait_applied(5s));
+    ASSERT_TRUE(publisher.wait_applied(20s));
     done(client, "attach", {{"child", "crate"}, {"parent", "other truck"}});
     stop();
   }

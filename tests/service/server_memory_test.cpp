@@ -61,7 +61,7 @@ TEST_F(ServerMemory, WithoutItInTheWorldsThreadTheServerEndsInALineAndTheNextOne
   ASSERT_TRUE(client.command("add", crate.dump(), {BoxShape{.half_m = {0.2, 0.2, 0.2}}}));
   Publisher publisher = publish(client, "thrower");
   add_ball(publisher, "ball", at(6, 0, 1));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   starve("world");
   const json box{{"name", "box"}, {"pose", {9, 3, 9, 1, 0, 0, 0}}};
   EXPECT_FALSE(client.command("add", box.dump(), {BoxShape{.half_m = {0.2, 0.2, 0.2}}}, 1s));

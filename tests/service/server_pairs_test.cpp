@@ -102,7 +102,7 @@ TEST_F(ServerPairs, EveryAnswerComesWithAProofThatIsCheckedHere) {
           {.position = {0.6 * any(generator), 0.6 * any(generator), 20 + 0.6 * any(generator)}, .rotation = turn}));
     }
     ASSERT_TRUE(publisher.flush());
-    ASSERT_TRUE(publisher.wait_applied(5s));
+    ASSERT_TRUE(publisher.wait_applied(20s));
     for (std::size_t i = 0; i < kinds.size(); ++i) {
       for (std::size_t j = 0; j < i; ++j) {
         const PairAnswer answer =
@@ -280,7 +280,7 @@ TEST_F(ServerPairs, TrianglesComeAsTheyAreAskedFor) {
   ASSERT_TRUE(publisher.add({.name = "a", .shape = {tetrahedron()}, .pose = at(0, 0, 20)}));
   ASSERT_TRUE(publisher.add({.name = "b", .shape = {tetrahedron()}, .pose = at(0.1, 0.1, 19.5)}));
   ASSERT_TRUE(publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   const PairAnswer all = pair(client, "a", "b", {.triangles = true});
   EXPECT_EQ(all.verdict, Verdict::hit);
   EXPECT_FALSE(all.cut);
@@ -315,7 +315,7 @@ TEST_F(ServerPairs, ProbesAreReadAfterEveryStep) {
                                                        .lost_policy = LostPolicy::hold});
   ASSERT_TRUE(car);
   ASSERT_TRUE(publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   for (const double x : {-0.9, 0.9}) {
     ASSERT_TRUE(client.add_probe({.name = x < 0 ? "rear" : "front", .object = "car", .origin = {x, 0, -0.25}}));
   }
@@ -385,7 +385,7 @@ TEST_F(ServerPairs, HowNearTwoCameBetweenPosesIsExplained) {
   ASSERT_TRUE(publisher.flush());
   std::this_thread::sleep_for(200ms);  // the way from here takes as long
   move(publisher, *drone, at(3, 0, 50));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   const auto explained = [&](const std::string& rest) {
     Result<std::string> text = client.command("explain", R"({"a":"drone","b":"post")" + rest + "}");
     EXPECT_TRUE(text) << text.error().message;

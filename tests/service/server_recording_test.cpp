@@ -81,7 +81,7 @@ class ServerRecording : public testing_support::ServerTest {
       balls.push_back(add_ball(publisher, "ball " + std::to_string(i), at(x(random), x(random), 1)));
     EXPECT_TRUE(
         client.command("add", R"({"name":"post","pose":[3,3,1,1,0,0,0]})", {BoxShape{.half_m = {0.1, 0.1, 1}}}));
-    EXPECT_TRUE(publisher.wait_applied(5s));
+    EXPECT_TRUE(publisher.wait_applied(20s));
     for (int round = 0; round < rounds; ++round) {
       for (const Publisher::Object ball : balls)
         EXPECT_TRUE(publisher.move(ball, at(x(random), x(random), 1 + turn(random))));
@@ -128,7 +128,7 @@ TEST_F(ServerRecording, WhatIsCountedIsWhatIsInTheFile) {
   Publisher publisher = publish(client, "cell");
   const Publisher::Object ball = add_ball(publisher, "ball", at(4, 4, 1));
   move(publisher, ball, at(4, 4, 2));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   ASSERT_TRUE(test::eventually([&] { return recording->counts().samples >= 10; }));
   const Result<RecordingCounts> counts = recording->finish();
   ASSERT_TRUE(counts) << counts.error().message;
@@ -158,7 +158,7 @@ TEST_F(ServerRecording, EveryAnswerIsTheSameAgain) {
     Publisher before = publish(client, "before");
     const Publisher::Object resting = add_ball(before, "resting", at(1, 1, 1));
     move(before, resting, at(4, 4, 1));  // its newest pose lies before the recording
-    ASSERT_TRUE(before.wait_applied(5s));
+    ASSERT_TRUE(before.wait_applied(20s));
     std::atomic<bool> done{false};
     std::thread alive([&] {
       while (!done) {
@@ -310,7 +310,7 @@ TEST_F(ServerRecording, RulesAndAttachmentsFromBeforeAreInTheFlightRecorderToo) 
     Client client = connect();
     Publisher publisher = publish(client, "moving");
     const Publisher::Object crate = add_ball(publisher, "crate", at(3, 3, 1));
-    ASSERT_TRUE(publisher.wait_applied(5s));
+    ASSERT_TRUE(publisher.wait_applied(20s));
     for (const char* name : {"lid", "loose"})
       ASSERT_TRUE(client.command("add", nlohmann::json{{"name", name}, {"pose", {3, 3, 2, 1, 0, 0, 0}}}.dump(),
                                  {BoxShape{.half_m = {0.1, 0.1, 0.1}}}));
@@ -319,10 +319,10 @@ TEST_F(ServerRecording, RulesAndAttachmentsFromBeforeAreInTheFlightRecorderToo) 
     ASSERT_TRUE(client.command("allow", R"({"a":"lid","b":"*"})"));
     ASSERT_TRUE(client.command("deny", R"({"a":"lid","b":"loose"})"));
     move(publisher, crate, at(5, 6, 1));
-    ASSERT_TRUE(publisher.wait_applied(5s));
+    ASSERT_TRUE(publisher.wait_applied(20s));
     ASSERT_TRUE(client.command("detach", R"({"child":"loose"})"));
     move(publisher, crate, at(6, 6, 1));
-    ASSERT_TRUE(publisher.wait_applied(5s));
+    ASSERT_TRUE(publisher.wait_applied(20s));
     lid_was = get(client, "lid");
     rules_were = rules(client);
     EXPECT_EQ(lid_was, (nlohmann::json{6.0, 6.0, 2.0, 1.0, 0.0, 0.0, 0.0}));
@@ -353,7 +353,7 @@ TEST_F(ServerRecording, PosesComeAgainInTime) {
     const Publisher::Object ball = add_ball(publisher, "ball", at(4, 4, 2));
     for (const double z : {1.0, 0.05, 1.0}) {
       move(publisher, ball, at(4, 4, z));
-      ASSERT_TRUE(publisher.wait_applied(5s));
+      ASSERT_TRUE(publisher.wait_applied(20s));
       std::this_thread::sleep_for(100ms);
     }
     ASSERT_TRUE(fetch_recording(here(), 20s, file));
@@ -391,7 +391,7 @@ TEST_F(ServerRecording, AWatchSinceATimeTellsWhatWasAndWhatComesEachOnce) {
   const Event down = next(reference);
   const std::chrono::nanoseconds since = std::chrono::system_clock::now().time_since_epoch();
   for (const double z : {2.0, 0.05, 2.0}) move(publisher, before, at(2, 4, z));
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   std::atomic<bool> done{false};
   std::thread bouncing([&] {
     for (double z = 0.05; !done; z = 2.05 - z) {
@@ -407,7 +407,7 @@ TEST_F(ServerRecording, AWatchSinceATimeTellsWhatWasAndWhatComesEachOnce) {
   bouncing.join();
   ASSERT_TRUE(is_joined) << (joined ? "" : joined.error().message);
   EXPECT_EQ(joined->tells_since(), since);
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   move(publisher, lying, at(1, 1, 2));
 
   std::vector<std::string> heard, told;

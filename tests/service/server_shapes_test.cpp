@@ -66,7 +66,7 @@ TEST_F(ServerShapes, EveryKindComesBackAsItWasGiven) {
                              .shape = {CloudShape{{{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, 0.1}},
                              .lost_policy = LostPolicy::hold}));
   ASSERT_TRUE(publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
 
   const ShownObjects shown = shapes(client, {.edges = true});
   const ShownObject& compound = named(shown, "compound");
@@ -147,7 +147,7 @@ TEST_F(ServerShapes, ASharedMeshComesOnceAndIsNotFetchedAgain) {
   for (const char* name : {"one", "two"})
     ASSERT_TRUE(publisher.add({.name = name, .shape = {tetrahedron}, .lost_policy = LostPolicy::hold}));
   ASSERT_TRUE(publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   const ShownObjects first = shapes(client, {.moving = true});
   ASSERT_EQ(first.objects.size(), 2U);
   EXPECT_EQ(first.objects[0].runs.at(0).surface, first.objects[1].runs.at(0).surface);
@@ -155,7 +155,7 @@ TEST_F(ServerShapes, ASharedMeshComesOnceAndIsNotFetchedAgain) {
   EXPECT_EQ(first.objects[0].runs[0].surface->triangles, tetrahedron.triangles);
   ASSERT_TRUE(publisher.add({.name = "three", .shape = {SphereShape{0.1}}, .lost_policy = LostPolicy::hold}));
   ASSERT_TRUE(publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   const ShownObjects second = shapes(client, {.moving = true, .edges = false}, &first);
   EXPECT_NE(second.table_version, first.table_version);
   EXPECT_EQ(named(second, "two").runs.at(0).surface, first.objects[0].runs[0].surface);
@@ -194,7 +194,7 @@ TEST_F(ServerShapes, PosesAreThoseThatWerePublishedAndTellOfChanges) {
               std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start_time).count() / 30);
   ASSERT_TRUE(publisher.remove(objects[0]));
   ASSERT_TRUE(publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   EXPECT_NE(client.poses()->table_version, shown.table_version);
 }
 
@@ -252,7 +252,7 @@ TEST_F(ServerShapes, ASurfaceGoesWithItsObjectAndIsNotTakenForAnotherServers) {
   const auto object = publisher.add({.name = "leaf", .shape = {triangle}, .lost_policy = LostPolicy::hold});
   ASSERT_TRUE(object);
   ASSERT_TRUE(publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   const ShownObjects shown = shapes(client, {.only = "leaf"});
   const std::uint64_t number = shown.objects.at(0).runs.at(0).surface->number;
   const nlohmann::json wanted{{"surface", number}, {"epoch", shown.epoch}};
@@ -261,13 +261,13 @@ TEST_F(ServerShapes, ASurfaceGoesWithItsObjectAndIsNotTakenForAnotherServers) {
   EXPECT_EQ(reported_bytes(client, "surface", {{"surface", number + 1}, {"epoch", shown.epoch}}), 0U);
   ASSERT_TRUE(publisher.remove(*object));
   ASSERT_TRUE(publisher.flush());
-  ASSERT_TRUE(publisher.wait_applied(5s));
+  ASSERT_TRUE(publisher.wait_applied(20s));
   // States that still hold it are given up as newer ones come.
   const auto deadline = std::chrono::steady_clock::now() + 10s;
   Publisher::Object other = add_ball(publisher, "ball", at(0, 0, 9), LostPolicy::hold);
   while (reported_bytes(client, "surface", wanted) > 0 && std::chrono::steady_clock::now() < deadline) {
     move(publisher, other, at(0, 0, 10));
-    ASSERT_TRUE(publisher.wait_applied(5s));
+    ASSERT_TRUE(publisher.wait_applied(20s));
   }
   EXPECT_EQ(reported_bytes(client, "surface", wanted), 0U);
 }

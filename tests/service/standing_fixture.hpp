@@ -20,7 +20,7 @@ class StandingTest : public ServerTest {
     EXPECT_TRUE(test::eventually([&] { return watch->in_step(); }));
     return std::move(*watch);
   }
-  static StandingEvent next(StandingWatch& watch, milliseconds wait = seconds(10)) {
+  static StandingEvent next(StandingWatch& watch, milliseconds wait = seconds(20)) {
     const std::optional<StandingEvent> event = watch.next(wait);
     EXPECT_TRUE(event) << "no event in time";
     return event.value_or(StandingEvent{});
