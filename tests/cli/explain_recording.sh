@@ -17,19 +17,19 @@ same() {  # WHAT, of which "$folder/live" and "$folder/then" hold the answers
     fail "$1 differs: $(cat "$folder/difference" "$folder/err")"
 }
 
-"$COLLIDED_SERVER" --namespace "$COLLIDED_NAMESPACE" --state-dir "$folder/state" --log error >/dev/null &
+"$COLLIDED_SERVER" --namespace "$COLLIDED_NAMESPACE" --state-dir "$folder/state" --memory 300s --log error >/dev/null &
 server=$!
-"$collide" status --wait 20s -q >/dev/null || fail "no server"
+"$collide" status --wait 60s -q >/dev/null || fail "no server"
 "$collide" add tower box 1 1 4 --at 12 1.032 2 -q >/dev/null
 "$collide" fence add yard box 11 -1 0 13 1.5 2 --only 'drone*' --keep -q >/dev/null
 "$collide" nearest add who 'drone*' tower 50 --keep -q >/dev/null
 "$collide" fence add gone sphere 0 0 0 1 --keep -q >/dev/null
 "$collide" fence rm gone -q >/dev/null
 # A drone on its way into the tower and out again, and then at rest for as long as is asked here.
-awk 'BEGIN { print "t,name,x,y,z"; for (i = 0; i <= 3000; ++i) { t = i * 0.04; y = t < 1 ? -2 + 2.4 * t : 0.4 - 2.4 * (t - 1); print t ",drone,12," (y < -2 ? -2 : y) ",1" } }' >"$folder/poses.csv"
+awk 'BEGIN { print "t,name,x,y,z"; for (i = 0; i <= 9000; ++i) { t = i * 0.04; y = t < 1 ? -2 + 2.4 * t : 0.4 - 2.4 * (t - 1); print t ",drone,12," (y < -2 ? -2 : y) ",1" } }' >"$folder/poses.csv"
 "$collide" publish "$folder/poses.csv" --shape sphere:0.5 -q >/dev/null &
 pilot=$!
-for _ in $(seq 100); do [[ -n $("$collide" ls drone --plain --fields name -q 2>/dev/null) ]] && break; sleep 0.1; done
+for _ in $(seq 300); do [[ -n $("$collide" ls drone --plain --fields name -q 2>/dev/null) ]] && break; sleep 0.1; done
 sleep 4
 "$collide" record "$run" --last 20s -q >/dev/null || fail "nothing was recorded"
 "$collide" events "$run" --only drone -q --csv --fields what,sequence >"$folder/events" 2>"$folder/err" ||
@@ -90,7 +90,7 @@ kill "$server"; wait "$server" 2>/dev/null || true
 printf 'name,x,y,z,sx,sy,sz\ntank,0,0,0,1,1,1\n' >"$folder/plant.csv"
 "$COLLIDED_SERVER" --namespace "$COLLIDED_NAMESPACE" --state-dir "$folder/other" --log error "$folder/plant.csv" >/dev/null &
 server=$!
-"$collide" status --wait 20s -q >/dev/null || fail "no second server"
+"$collide" status --wait 60s -q >/dev/null || fail "no second server"
 "$collide" record "$run" --last 5s -q >/dev/null
 kill "$server"; wait "$server" 2>/dev/null || true
 server=

@@ -68,7 +68,9 @@ class Solids(unittest.TestCase):
             client.load("embedded:", replace=True, solid="*")
             client.add("pea", collided.Sphere(0.002), (0, 0, 1.3))
             watch = client.watch(only="pea", persisted=False)
-            time.sleep(0.5)
+            until = time.monotonic() + 60
+            while not watch.in_step and time.monotonic() < until:
+                time.sleep(0.01)
             client.move("pea", (0, 0, 1.19))
             began = self.next_of(watch)
             self.assertEqual((began.kind, began.contained), ("began", ""))

@@ -20,7 +20,7 @@ done
 node "$here/foreign_reader.mjs" "$scratch/last.mcap" 4
 # Channels that are there only when used: described between chunks, some of them in JSON.
 "$collide" fence add dock sphere 0 0 5 2 --keep -q >/dev/null
-"$collide" record "$scratch/run.mcap" --for 2s -q >/dev/null &
+"$collide" record "$scratch/run.mcap" --for 6s -q >/dev/null &
 recorder=$!
 while kill -0 "$recorder" 2>/dev/null; do
   "$collide" add ball sphere 0.2 --at 0 0 5 -q >/dev/null && "$collide" rm ball -q >/dev/null
