@@ -78,7 +78,9 @@ class KeptOverKills {
     fs::copy(kept, state_dir(), fs::copy_options::recursive);
     const std::string path = damage();
     start();
-    const bool is_ready = wait_for([&] { return state() == "ready"; }, 5s);
+    // A server that lacks something is not ready before that is accepted, so the first of the two decides.
+    static_cast<void>(wait_for([&] { return state() == "ready" || losses("show") > 0; }, 30s));
+    const bool is_ready = state() == "ready";
     const World now = list();
     const bool is_all_there = now == world_;
     if (is_ready && !is_all_there) {
@@ -88,7 +90,9 @@ class KeptOverKills {
     }
     told_ += is_ready ? 0 : 1;
     // The loss is named, and the world counts as whole once that is accepted.
-    if (!is_ready && (losses() == 0 || !wait_for([&] { return state() == "ready"; }, 2s))) {
+    const bool is_named = losses("show") > 0;
+    if (is_named) static_cast<void>(losses("accept"));
+    if (!is_ready && !(is_named && wait_for([&] { return state() == "ready"; }, 15s))) {
       ++silent_;
       std::fprintf(stderr, "neither ready nor a loss after a damage to %s\n%s", path.c_str(),
                    server_->errors().c_str());
@@ -170,9 +174,11 @@ class KeptOverKills {
     }
     return now;
   }
-  /// Accepts them; how many there were.
-  std::size_t losses() {
-    const nlohmann::json answer = nlohmann::json::parse(value_of(client_->command("accept_loss", "{}"), "accept"));
+  /// Shows or accepts them; how many there are or were.
+  std::size_t losses(const std::string& what) {
+    const nlohmann::json asked{{"show", what == "show"}};
+    const auto ask = [&] { return client_->command("accept_loss", asked.dump()); };
+    const nlohmann::json answer = nlohmann::json::parse(answer_of(ask, what.c_str()));
     return answer.at("losses").size();
   }
 
