@@ -2,7 +2,7 @@
 
 #include <pthread.h>
 
-#include <system_error>
+#include <exception>
 #include <utility>
 
 namespace collided::engine {
@@ -19,8 +19,8 @@ StepPool::~StepPool() {
 void StepPool::begin_step(Decide decide, std::size_t slot_count) {
   try {
     while (threads_.size() < helpers_) threads_.emplace_back([this] { run(); });
-  } catch (const std::system_error&) {
-    // The world's thread and those that run decide all blocks.
+  } catch (const std::exception&) {
+    // Without room or memory for more, the world's thread and those that run decide all blocks.
   }
   const std::lock_guard lock(mutex_);
   ++step_;
