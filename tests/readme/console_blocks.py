@@ -3,7 +3,7 @@
 
 Every line that begins with "$ " in a ```console block is a command; one that ends in a backslash goes on in the next line.
 All of them run in order, on a terminal of 100 columns, in an empty folder with a link to deploy/, against a fresh server
-on the embedded scene. A "sleep" that gives a program in the background time lasts longer on a busy machine. What the commands
+on the embedded scene. A "sleep", and the time before a "cat", lasts longer on a busy machine. What the commands
 write to standard output and standard error is compared line by line; blanks at the end of a line do not count.
 
 usage: console_blocks.py DOC COLLIDED COLLIDE [--write] [--domain N] [--least N] [--same MADE FILE]
@@ -36,9 +36,10 @@ VARIES = [(re.compile(pattern), text) for pattern, text in [
     (r"127\.0\.0\.1:[0-9]+", "ADDRESS"),
     # A tree that is fitted to what has moved has other nodes than one built anew; which it is depends on when the steps came.
     (r"\b[0-9]+ nodes? and", "N nodes and")]]
-# What a program in the background does in the time that is slept takes longer on a busy machine. Programs that are started
-# later and do as much, one after the other, take longer by as much: join, find the server, ask it.
-SLEEP = "sleep() { command sleep \"$@\"; for _ in 1 2 3; do collide status --namespace collided -q; done >/dev/null 2>&1; }; "
+# What a program in the background does before it is waited for takes longer on a busy machine. Programs that are started later
+# and do as much, one after the other, take longer by as much: join, find the server, ask it.
+SETTLE = "settle() { for _ in 1 2 3; do collide status --namespace collided -q; done >/dev/null 2>&1; }; "
+SLEEP = SETTLE + "sleep() { command sleep \"$@\"; settle; }; "
 # Statistics of a batch: times differ from run to run.
 STATISTICS = re.compile(r"^ [0-9 ]+ (rays|spheres|boxes|points) |^     [0-9.]+ (us|ms|s): ")
 
@@ -72,8 +73,11 @@ def read_until_end(ours, process):
 def run(command, environment, folder):
     """The lines that a command writes, as they stand on the terminal in the end."""
     ours, theirs = terminal()
-    # A loop that sleeps waits for a condition of its own.
-    program = command if command.startswith("until ") else SLEEP + command
+    program = SLEEP + command
+    if command.startswith("cat "):  # of what such a program has written
+        program = SETTLE + "settle; " + command
+    elif command.startswith("until "):  # a loop waits for a condition of its own
+        program = command
     process = subprocess.Popen(["bash", "-c", program], stdin=subprocess.DEVNULL, stdout=theirs, stderr=theirs,
                                env=environment, cwd=folder, start_new_session=True,
                                close_fds=False)  # what goes on in the background keeps the claim of its domain
