@@ -36,8 +36,8 @@ VARIES = [(re.compile(pattern), text) for pattern, text in [
     (r"127\.0\.0\.1:[0-9]+", "ADDRESS"),
     # A tree that is fitted to what has moved has other nodes than one built anew; which it is depends on when the steps came.
     (r"\b[0-9]+ nodes? and", "N nodes and")]]
-# What a program in the background does before it is waited for takes longer on a busy machine. Programs that are started later
-# and do as much, one after the other, take longer by as much: join, find the server, ask it.
+# A program in the background needs longer on a busy machine. Programs that are started later and do as much, one after the
+# other, need longer by as much: they join, find the server and ask it.
 SETTLE = "settle() { for _ in 1 2 3; do collide status --namespace collided -q; done >/dev/null 2>&1; }; "
 SLEEP = SETTLE + "sleep() { command sleep \"$@\"; settle; }; "
 # Statistics of a batch: times differ from run to run.
@@ -74,7 +74,7 @@ def run(command, environment, folder):
     """The lines that a command writes, as they stand on the terminal in the end."""
     ours, theirs = terminal()
     program = SLEEP + command
-    if command.startswith("cat "):  # of what such a program has written
+    if command.startswith("cat "):  # it prints what such a program has written
         program = SETTLE + "settle; " + command
     elif command.startswith("until "):  # a loop waits for a condition of its own
         program = command
