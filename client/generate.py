@@ -39,27 +39,32 @@ def uncommented(text):
 # ---- what the C++ headers declare --------------------------------------------------------------------------------------
 
 
+def bare(comment):
+    return "\n".join(line.removeprefix("///").removeprefix(" ") for line in comment.splitlines())
+
+
 def event_of(name, header):
     comment, body = re.search(rf"((?:^///[^\n]*\n)*)^struct {name} \{{\n(.*?)^\}};", header, re.MULTILINE | re.DOTALL).groups()
     structs = {inner: re.findall(r"^    double (\w+) = ", text, re.MULTILINE) for inner, text in
                re.findall(r"^  struct (\w+) \{\n(.*?)^  \};\n", body, re.MULTILINE | re.DOTALL)}
-    return Event(name, " ".join(line.strip("/ ") for line in comment.splitlines()),
-                 list(members_of(name, re.sub(r"^  struct .*?^  \};\n", "", body, flags=re.MULTILINE | re.DOTALL), structs)))
+    return Event(name, bare(comment), list(members_of(name, re.sub(r"^  struct .*?^  \};\n", "", body, flags=re.MULTILINE | re.DOTALL), structs)))
 
 
 def members_of(name, body, structs):
     comments = []
     for line in body.splitlines():
         comment = re.fullmatch(r"  ///? ?(.*)", line)
-        member = re.fullmatch(r"  ([\w:<>]+) (\w+)(?: = ([^;]+)|\{[^}]*\})?; *(?:// ?(.*))?", line)
+        member = re.fullmatch(r"  ([\w:]+(?:<[\w:<>, ]+>)?) (\w+(?:, \w+)*)(?: = ([^;]+)|\{.*\})?; *(?:// ?(.*))?", line)
         if comment:
             comments.append(comment[1])
         elif member:
-            kind, inner = member[1].removeprefix("std::"), None
-            if optional := re.fullmatch(r"optional<(\w+)>", kind):
+            kind, inner = member[1].replace("std::", ""), None
+            optional = re.fullmatch(r"optional<(\w+)>", kind)
+            if optional and optional[1] in structs:
                 kind, inner = "optional", structs[optional[1]]
             text = " ".join([*comments, *filter(None, [member[4]])])
-            yield Member(kind, member[2], member[3], text, inner)
+            for each in member[2].split(", "):
+                yield Member(kind, each, member[3], text, inner)
             comments = []
         elif line:
             raise ValueError(f"{name} has a line that is not a member: {line}")
@@ -142,17 +147,37 @@ namespace collided::c {{
 # ---- events in Python ----------------------------------------------------------------------------------------------------
 
 
+def python_name(member):
+    """Without the unit of a length, a speed or seconds; nanoseconds keep theirs."""
+    name = re.sub(r"_(m|mps|s)$", "", member.name) + ("_ns" if "nanoseconds" in member.type else "")
+    return name + "_" if keyword.iskeyword(name) else name
+
+
+def documented(comment, members):
+    """A class's docstring: what it is, and what its members mean."""
+    def in_python(text):
+        return re.sub(r"\b([a-z]\w*)_m(?:ps)?\b", r"\1", text.replace("::", ".").replace("0xffffffff", "None"))
+
+    width = 6 + max(len(name) for name, _ in members)
+    first, *listed = re.split(r"\n *(?=\S+(?:, \S+)*  )", in_python(comment))
+    lines = wrapped(f'"""{first}', "    ", "    ")
+    for term, said in (item.split("  ", 1) for item in listed):
+        lines += wrapped(" ".join(said.split()), f"      {term}  ", "        ")
+    lines.append("")
+    for name, said in members:
+        lines += wrapped(in_python(said), f"    {name:{width - 4}}", " " * width) or [f"    {name}"]
+    return [*lines, '    """', ""]
+
+
 def python_members(event, codes):
     """name, annotation, comment, expression; an interval once."""
     for member in event.members:
-        bare = re.sub(r"_(m|mps|s)$", "", member.name)
-        name = bare + "_object" if keyword.iskeyword(bare) else bare
-        told = f'getattr(told, "{member.name}")' if keyword.iskeyword(bare) else f"told.{member.name}"
+        name, told = python_name(member), f'getattr(told, "{member.name}")' if keyword.iskeyword(member.name) else f"told.{member.name}"
         if member.name.endswith("_high_s"):
             continue
         if member.name.endswith("_low_s"):
             both = f"(told.{member.name}, told.{member.name.replace('_low_', '_high_')})"
-            yield bare.removesuffix("_low"), "tuple[float, float]", member.comment, both
+            yield name.removesuffix("_low"), "tuple[float, float]", member.comment, both
         elif member.type in codes:
             yield name, "str", member.comment, f"word({snake(codes[member.type]).upper()}, {told})"
         elif member.type == "optional":
@@ -165,7 +190,7 @@ def python_members(event, codes):
             hint, value = {"bool": ("bool", "bool({})"), "string": ("str", "text({})"), "double": ("float", "{}"),
                            "Vec3": ("tuple[float, float, float]", "({0}[0], {0}[1], {0}[2])"),
                            "chrono::nanoseconds": ("int", "{}_ns")}.get(member.type, ("int", "{}"))
-            yield name + ("_ns" if member.type == "chrono::nanoseconds" else ""), hint, member.comment, value.format(told)
+            yield name, hint, member.comment, value.format(told)
 
 
 def events_py(events, codes, _):
@@ -176,10 +201,9 @@ def events_py(events, codes, _):
              f"from ._structs import {', '.join(f'C{event.name}' for event in events)}"]
     for event in events:
         members = list(python_members(event, codes))
-        lines += ["", "", "@dataclass(frozen=True)", f"class {event.name}:", *wrapped(f'"""{event.comment}"""', "    ", "    "), ""]
-        for name, hint, comment, _ in members:
-            lines += [*wrapped(comment, "    #: ", "    #: "), f"    {name}: {hint}"]
-        lines += ["", "", f"def read_{snake(event.name)}(told: C{event.name}) -> {event.name}:", f"    return {event.name}(",
+        lines += ["", "", "@dataclass(frozen=True)", f"class {event.name}:",
+                  *documented(event.comment, [(name, comment) for name, _, comment, _ in members]),
+                  *(f"    {name}: {hint}" for name, hint, _, _ in members), "", "", f"def read_{snake(event.name)}(told: C{event.name}) -> {event.name}:", f"    return {event.name}(",
                   *(f"        {expression}," for _, _, _, expression in members), "    )"]
     return "\n".join([*lines, ""])
 

@@ -197,8 +197,8 @@ class Questions(WithServer):
                     file.write("o tub\n" + "".join(f"v {x} {y} {z}\n" for x, y, z in corners))
                     file.write("".join(f"f {a + 1} {b + 1} {c + 1}\n" for a, b, c in faces[1:]))
                 self.client.load(path, solid="*", solid_by="winding")
-            self.assertEqual(self.client.command("get", name="tub/tub")["solid_by"], "winding")
-            self.client.command("clear", scene="tub")
+            self.assertTrue(self.client.get("tub/tub").solid_by_winding)
+            self.assertTrue(self.client.clear("tub").removed)
         finally:
             self.client.remove("py_solid")
 
@@ -236,7 +236,12 @@ class Questions(WithServer):
             self.assertFalse(apart)
             self.assertAlmostEqual(apart.distance, 1.0, delta=apart.error + 1e-15)
             self.client.move("py_ball", (100.75, 0, 0))
-            self.assertTrue(self.client.pair("py_box", "py_ball"))
+            touching = self.client.pair("py_box", "py_ball", certificate=True)
+            self.assertTrue(touching)
+            self.assertAlmostEqual(touching.depth, 0.25, delta=touching.error + 1e-15)
+            self.assertAlmostEqual(touching.manifold[0].depth, 0.25, delta=touching.manifold[0].error + 1e-15)
+            self.assertTrue(touching.certificate.touches if touching.certificate else touching.no_certificate)
+            self.assertIsNone(touching.opinion)
         finally:
             self.assertEqual(self.client.remove("py_*"), 2)
 
@@ -406,8 +411,9 @@ class World(WithServer):
             self.client.add(f"py_shape{i}", shape, (200 + 10 * i, 0, 0), moving=moving)
             kinds[f"py_shape{i}"] = type(shape).__name__.lower()
         try:
-            listed = self.client.command("list", name="py_shape*")
-            self.assertEqual(len(listed["objects"]), len(self.SHAPES), listed)
+            listed = self.client.list("py_shape*", limit=3)
+            self.assertEqual((len(listed.objects), listed.count), (3, len(self.SHAPES)))
+            self.assertEqual([listed.objects[0].kind, self.client.list("py_shape*", moving=False).count], ["sphere", 1])
             self.assertEqual(self.client.ray((200, 0, 5), (0, 0, -1), only="py_shape0").hits[0].distance, 4.7)
             above = self.client.ray((290.25, 0.125, 5), (0, 0, -1), only="py_shape9").hits[0]
             self.assertAlmostEqual(above.distance, 5 - 0.15, delta=1e-12)  # between 0, 0.1, 0.2 and 0.3
@@ -434,10 +440,10 @@ class World(WithServer):
             self.client.add("py_guest", collided.Sphere(0.5), (510, 0, 0))
             self.client.move("py_guest", (502.5, 0, 0))
             listed = self.client.standing("py_*", "region")
-            self.assertEqual([(row["name"], [held["object"] for held in row["holds"]]) for row in listed], [("py_zone", ["py_guest"])])
-            self.assertEqual(listed[0]["detect"], ["enter", "exit"])
-            (held,) = self.client.standing("py_close")[0]["holds"]
-            self.assertEqual((held["object"], held["other"], held["band"]), ("py_guest", "py_post", 2))
+            self.assertEqual([(row.name, [held.object for held in row.holds]) for row in listed], [("py_zone", ["py_guest"])])
+            self.assertEqual(listed[0].detect, ("enter", "exit"))
+            (held,) = self.client.standing("py_close")[0].holds
+            self.assertEqual((held.object, held.other, held.band), ("py_guest", "py_post", 2))
             self.client.move("py_guest", (510, 0, 0))
             both = events_of(region, 2)
             self.assertEqual([(event.kind, event.form, event.object, event.standing) for event in both],
@@ -483,7 +489,7 @@ class World(WithServer):
             self.assertAlmostEqual(event.distance, 4, delta=1e-3)
             self.assertGreaterEqual(event.bracket[0], event.bracket[1])
             self.assertEqual(watch.lost, 0)
-        self.assertEqual({row["name"]: [held["object"] for held in row["holds"]] for row in self.client.standing("py_*", "nearest")},
+        self.assertEqual({row.name: [held.object for held in row.holds] for row in self.client.standing("py_*", "nearest")},
                          {"py_light": ["py_lamp_b"], "py_corner": ["py_lamp_b"]})
         for wrong in (0, -1, float("nan"), float("inf")):
             with self.assertRaises(collided.Error):
@@ -555,14 +561,14 @@ class World(WithServer):
         mast = next(miss for miss in ray.misses if miss.object == "py_mast")
         self.assertEqual((mast.verdict, mast.where, mast.box_met), (Verdict.MISS, "beside", False))
         self.assertAlmostEqual(mast.distance, 0.5, delta=mast.error + 1e-12)
-        self.assertEqual((ray.covered, ray.stale, ray.unknown, ray.cut, ray.late), (None, (), (), False, False))
+        self.assertEqual((ray.uncovered, ray.stale, ray.unknown, ray.cut, ray.late), (None, (), (), False, False))
         self.assertEqual([met.object for met in self.client.explain_ray((800, 0, 5), (0, 0, -1)).met[:2]], ["py_glass", "py_floor"])
 
         pair = self.client.explain_pair("py_glass", "py_mast")
-        self.assertTrue(pair.verdict is Verdict.HIT and pair.clearance <= 0)
+        self.assertTrue(pair and pair.answer.verdict is Verdict.HIT and pair.answer.depth >= 0)
         apart = self.client.explain_pair("py_mast", "py_floor")
         self.assertFalse(apart)
-        self.assertAlmostEqual(apart.clearance, 1.5, delta=apart.error)
+        self.assertAlmostEqual(apart.answer.distance, 1.5, delta=apart.answer.error)
         self.assertIsNotNone(apart.nearest)
         self.assertEqual(apart.nearest.end, "found")
         self.assertLessEqual(apart.nearest.at_least, apart.nearest.distance + apart.nearest.error)
@@ -609,6 +615,18 @@ class World(WithServer):
             self.client.explain_ray((0, 0, math.nan), (0, 0, 1))
         with self.assertRaises(collided.BadInput):
             self.client.explain_pair("py_mast", "py_floor", as_of="now")
+
+    def test_a_probe_reads_its_clearance(self):
+        self.client.add("py_deck", collided.Box((5, 5, 0.5)), (850, 0, -0.5))
+        self.client.add("py_lift", collided.Sphere(0.1), (850, 0, 1))
+        self.addCleanup(self.client.remove, "py_*")
+        self.client.add_probe("py_foot", "py_lift", (0, 0, -0.25), reach=math.inf)
+        self.addCleanup(self.client.remove_probes, "py_f*")
+        (foot,) = self.client.probes("py_foot")
+        self.assertEqual((foot.object, foot.state, foot.met, foot.triangle), ("py_lift", "gap", "py_deck", None))
+        self.assertAlmostEqual(foot.clearance, 0.75, delta=foot.error + 1e-12)
+        self.assertEqual(self.client.remove_probes("py_f*"), 1)
+        self.assertIn("built", vars(self.client.plan().structures[0]))
 
     def test_a_scan_is_an_obstacle_of_cells(self):
         wall = [[702.02, 0.01 * i, 1.05] for i in range(-50, 50)]
@@ -697,7 +715,7 @@ class World(WithServer):
         self.client.add("py_crate", collided.Box((0.5, 0.5, 0.5)), (400.9, 0, 0))
         try:
             self.assertEqual(self.client.allow("py_hand", "py_crate", "a grip"), 1)
-            self.assertEqual(self.client.command("allowed")["rules"][0]["because"], "a grip")
+            self.assertEqual(self.client.rules()[0], collided.ListedRule("py_hand", "py_crate", "a grip", True))
             self.assertEqual(self.client.deny("py_hand", "py_crate"), 1)
             self.client.attach("py_crate", "py_hand")
             with self.client.publish("py_driver") as publisher:
@@ -706,13 +724,13 @@ class World(WithServer):
                 publisher.move(hand, (405, 0, 0))
                 publisher.flush()
                 publisher.wait_applied()
-                crate = self.client.command("get", name="py_crate")
-                self.assertEqual(crate["attached_to"], "py_hand")
-                self.assertAlmostEqual(crate["position"][0], 405.9)
+                crate = self.client.get("py_crate")
+                self.assertEqual(crate.attached_to, "py_hand")
+                self.assertAlmostEqual(crate.position[0], 405.9)
             with self.assertRaisesRegex(collided.Refused, "'py_crate' moves along with it"):
                 self.client.attach("py_hand", "py_crate")
             self.client.detach("py_crate")
-            self.assertNotIn("attached_to", self.client.command("get", name="py_crate"))
+            self.assertEqual(self.client.get("py_crate").attached_to, "")
         finally:
             self.client.remove("py_hand")
             self.client.remove("py_crate")

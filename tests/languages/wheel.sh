@@ -1,15 +1,22 @@
 #!/usr/bin/env bash
-# The wheel: the same bytes twice, a record that holds, and a client that works from where it was unpacked.
-# usage: wheel.sh PYTHON BUILD VERSION DOMAIN
+# The wheel: the same bytes by pip as by the program itself, a record that holds, and a client that works from where it was
+# unpacked. Without pip the program runs twice.
+# usage: wheel.sh PYTHON SOURCE VERSION DOMAIN
 set -euo pipefail
-python=${1:?} build=${2:?} version=${3:?} domain=${4:?}
+python=${1:?} source=${2:?} version=${3:?} domain=${4:?}
 scratch=$(mktemp -d)
 trap 'rm -rf "$scratch"' EXIT
 export SOURCE_DATE_EPOCH=1700000000
-first=$("$python" "$build/client/python/wheel.py" "$version" "$scratch/one")
-second=$("$python" "$build/client/python/wheel.py" "$version" "$scratch/two")
-cmp "$first" "$second"
-[[ $(basename "$first") == "collided-$version-py3-none-any.whl" ]]
+name=collided-$version-py3-none-any.whl
+first=$("$python" "$source/client/python/wheel.py" "$scratch/one")
+[[ $first == "$scratch/one/$name" ]]
+if "$python" -m pip --version >/dev/null 2>&1; then
+  "$python" -m pip --quiet --disable-pip-version-check --no-cache-dir wheel "$source/client/python" --no-build-isolation --no-deps \
+    --wheel-dir "$scratch/two"
+else
+  "$python" "$source/client/python/wheel.py" "$scratch/two"
+fi
+cmp "$first" "$scratch/two/$name"
 "$python" -m zipfile -e "$first" "$scratch/site"
 "$python" - "$scratch/site" "collided-$version.dist-info" <<'CHECK'
 import base64, csv, hashlib, pathlib, sys
@@ -24,7 +31,7 @@ for name, digest, size in rows:
     content = (site / name).read_bytes()
     assert len(content) == int(size), name
     assert digest == "sha256=" + base64.urlsafe_b64encode(hashlib.sha256(content).digest()).rstrip(b"=").decode(), name
-assert {"collided/py.typed", "collided/_contract.py"} <= listed
+assert {"collided/py.typed", "collided/_contract.py", "collided/_schema.py"} <= listed
 CHECK
 cd "$scratch"
 said=$(PYTHONPATH=$scratch/site "$python" -c "

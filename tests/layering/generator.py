@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""What idl/generate.py makes of small IDL files, and client/generate.py of small headers, word by word.  generator.py SOURCES"""
+"""What the generators make of small IDL files (idl/generate.py) and small headers (client/generate.py, client/generate_answers.py),
+word by word.  generator.py SOURCES"""
 import importlib.util
 import pathlib
 import sys
@@ -121,9 +122,10 @@ LENDING = {
         "  if (event.contact_in) told.contact_in_low_s = event.contact_in->low_s;\n",
     ],
     "client/python/collided/_events.py": [
-        '    """News of a course."""\n\n    kind: str\n    #: why\n    reason: str\n    #: Two lines before it are one.\n'
-        "    resync: bool\n    from_object: str\n    a_id: int\n    a_triangle: int | None\n    #: of the step\n"
-        "    world_time_ns: int\n    #: between these\n    bracket: tuple[float, float]\n    depth: float\n",
+        '    """News of a course.\n\n    kind\n    reason         why\n    resync         Two lines before it are one.\n'
+        "    from_\n    a_id\n    a_triangle\n    world_time_ns  of the step\n    bracket        between these\n    depth\n",
+        "    resync: bool\n    from_: str\n    a_id: int\n    a_triangle: int | None\n    world_time_ns: int\n"
+        "    bracket: tuple[float, float]\n    depth: float\n",
         "        word(COURSE_EVENT_KIND, told.kind),\n",
         '        text(getattr(told, "from")),\n',
         "        None if told.a_triangle == NO_TRIANGLE else told.a_triangle,\n",
@@ -139,6 +141,62 @@ LENDING = {
         '    "version": (c_char_p, []),\n    "ask": (c_int32, [c_void_p, c_void_p, POINTER(COptions), c_void_p]),\n',
     ],
 }
+
+ANSWERS_HPP = """\
+using codes::Course;
+
+/// A course in one of two ways:
+/// straight     it goes to
+///              its end_m
+/// round, bent  else
+struct Ride {
+  /// In a struct.
+  struct Stop {
+    double at_m = 0;
+  };
+  using Stops = std::vector<Stop>;
+  enum class Way { straight, round };
+  Verdict verdict = Verdict::miss;
+  Course course = Course::none;  // see Ride::way
+  Way way = Way::straight;
+  std::uint32_t a_triangle = kNoTriangle;
+  std::string from =
+      {};  // where it begins
+  Stops stops = {};
+  std::optional<Vec3> end_m = {};
+  std::chrono::nanoseconds world_time{0};
+  bool secret = false;
+};
+struct Trip : Ride {
+  Ride::Stop last = {};
+  std::array<double, 2> ends = {};
+};
+"""
+ANSWERS = """\
+template <>
+inline constexpr const char* kWordsOf<Course>[] = {"", "gone"};
+constexpr auto fields_of(const Ride::Stop*) { return fields<&Ride::Stop::at_m>(); }
+constexpr auto fields_of(const Ride*) {
+  using T = Ride;
+  return listed(field("answer", &T::verdict), field_if<is_any_of<one, two>>("course", &T::course),
+                fields_if<&T::secret, &T::way, &T::a_triangle>(), unless_default<&T::from>(), fields<&T::stops, &T::end_m>(),
+                field("time_ns", &T::world_time));
+}
+constexpr auto fields_of(const Trip*) {
+  return listed(fields_of(static_cast<const Ride*>(nullptr)), fields<&Trip::ends>());
+}
+"""
+SCHEMA = [
+    '@dataclass(frozen=True)\nclass RideStop:\n    """In a struct.\n\n    at\n    """\n\n    at: float\n\n\n@dataclass',
+    'class Ride(Judged):\n    """A course in one of two ways:\n      straight  it goes to its end\n      round, bent  else\n\n'
+    "    verdict\n    course         see Ride.way\n    way\n    a_triangle\n    from_          where it begins\n",
+    '    verdict: Verdict = field(metadata={"json": "answer"})\n'
+    '    course: str = field(metadata={"words": dict(zip(("", "gone"), COURSE))})\n    way: str\n    a_triangle: int | None\n'
+    '    from_: str = field(metadata={"json": "from"})\n    stops: tuple[RideStop, ...]\n    end: Vector | None\n'
+    '    world_time_ns: int = field(metadata={"json": "time_ns"})\n\n\n@dataclass',
+    'class Trip(Ride):\n    """\n\n    last\n    ends\n    """\n\n    last: RideStop = field(metadata={"json": ""})\n'
+    "    ends: tuple[float, float]\n",
+]
 
 
 def module_at(place):
@@ -172,11 +230,34 @@ def lending_faults(generate):
     return faults
 
 
+def answer_faults(generate):
+    generate.BY_C, generate.DESCRIPTIONS = {}, ("idl/answers",)
+    with tempfile.TemporaryDirectory() as folder:
+        build = pathlib.Path(folder)
+        header, description = build / "idl/include/collided/ride.hpp", build / "idl/answers/ride.hpp"
+        for place, text in ((header, ANSWERS_HPP), (description, ANSWERS), (build / "client/include/collided.h", COLLIDED_H)):
+            place.parent.mkdir(parents=True, exist_ok=True)
+            place.write_text(text, encoding="utf-8")
+        generate.main(build, build)
+        faults = lacking(build, {"client/python/collided/_schema.py": SCHEMA})
+        header.write_text(ANSWERS_HPP.replace("std::optional<Vec3>", "std::set<Vec3>"), encoding="utf-8")
+        try:
+            generate.main(build, build)
+            faults.append("a member of an unknown type was taken")
+        except SystemExit as refused:
+            if "set<Vec3>" not in str(refused):
+                faults.append(f"the refusal of an unknown type says {refused}")
+    return faults
+
+
 def main(sources):
     generate = module_at(pathlib.Path(sources) / "idl" / "generate.py")
     expected = {"include/collided/codes.hpp": CODES, "include/collided/codes.h": C_CODES, "idl/messages.hpp": MESSAGES,
                 "client/python/collided/_contract.py": PYTHON, "client/view/contract.js": PAGE}
-    faults = lending_faults(module_at(pathlib.Path(sources) / "client" / "generate.py"))
+    client = pathlib.Path(sources) / "client"
+    sys.path.insert(0, str(client))
+    sys.dont_write_bytecode = True
+    faults = lending_faults(module_at(client / "generate.py")) + answer_faults(module_at(client / "generate_answers.py"))
     with tempfile.TemporaryDirectory() as folder:
         build = pathlib.Path(folder)
         idl, client_idl = build / "a.idl", build / "client.idl"
@@ -198,7 +279,7 @@ def main(sources):
         except SystemExit as refused:
             if "no enumerations" not in str(refused):
                 faults.append(f"the refusal says {refused}")
-    print("\n".join(faults) or f"{sum(map(len, [*expected.values(), *LENDING.values()]))} pieces as expected")
+    print("\n".join(faults) or f"{sum(map(len, [*expected.values(), *LENDING.values(), SCHEMA]))} pieces as expected")
     sys.exit(1 if faults else 0)
 
 

@@ -5,37 +5,38 @@
         answers = c.rays(origins, directions)      # (n, 3) arrays, metres, world coordinates
         print(answers.distance, answers.object)
 
-Metres everywhere; quaternions (w, x, y, z); times in seconds as float, world times in nanoseconds since 1970 as int.
-Calls raise a collided.Error, whose text says what to do next. An answer may be *undecided*, which is neither true nor
-false: bool() of it raises. numpy is used where it is installed, and not needed.
+connect() makes a Client, whose calls are these:
+    questions           rays, spheres, boxes, nearest, inside, ray, sphere, what_if
+    two objects         pair, clearance
+    why                 explain_ray, explain_pair, explain_standing, explain_event
+    events              watch, watch_standing; recorded_standing_events() reads those of a recording
+    standing questions  add_region, add_bands, add_nearest, remove_standing, standing
+    the world           add, move, remove, attach, detach, allow, deny, rules, load, clear, list, get, plan
+    probes              add_probe, remove_probes, probes
+    own objects         publish makes a Publisher, and Publisher.voxels a grid of cells for scans
+    everything else     status, command
 
-It lies over the C interface of the client library (collided.h) by ctypes; nothing is compiled. The library is found as
+Units      metres, world coordinates; quaternions (w, x, y, z); poses (x, y, z, w, x, y, z); times in seconds as float, world
+           times in nanoseconds since 1970 as int, with _ns at the end of their names
+Errors     calls raise a collided.Error, whose text says what to do next: BadInput, NoServer, Timeout, Refused, Disconnected
+Undecided  an answer may be neither true nor false: bool() of it raises Undecided
+Answers    frozen dataclasses, whose help has their members
+Arrays     of numpy where it is installed, else of Python; contiguous float64 is not copied
+
+The package lies over the C interface of the client library (collided.h) by ctypes; nothing is compiled. The library is found as
 libcollided_client.so.1 where the system looks, or where the environment variable COLLIDED_LIBRARY points.
 """
 
-from ._answers import Answer, Answers, Hit, Undecided, Verdict
-from ._asking import PairAnswer
-from ._client import Client, Status, connect
+from . import _schema
+from ._answers import Answer, Answers
+from ._client import Client, connect
+from ._described import Undecided, Verdict
 from ._errors import BadInput, Disconnected, Error, InternalError, NoServer, Refused, Timeout
-from ._explanations import (
-    ExplainedApproach,
-    ExplainedBody,
-    ExplainedEvent,
-    ExplainedGap,
-    ExplainedMeeting,
-    ExplainedMiss,
-    ExplainedNews,
-    ExplainedObject,
-    ExplainedPair,
-    ExplainedRay,
-    ExplainedStale,
-    ExplainedStanding,
-)
 from ._events import Event, StandingEvent
-from ._groups import Clearance, ClearancePair
 from ._library import version
 from ._publisher import Publisher, PublisherReport
 from ._recordings import RecordedStandingEvents, recorded_standing_events
+from ._schema import *
 from ._shapes import (
     Box,
     Capsule,
@@ -58,58 +59,53 @@ from ._watch import Watch
 __version__ = version()
 
 __all__ = [
-    "Answer",
+    # The connection.
+    "connect",
+    "Client",
+    "version",
+    # Answers to questions.
     "Answers",
-    "BadInput",
+    "Answer",
+    "Verdict",
+    "Undecided",
+    # Events.
+    "Watch",
+    "Event",
+    "StandingWatch",
+    "StandingEvent",
+    "recorded_standing_events",
+    "RecordedStandingEvents",
+    # Publishing.
+    "Publisher",
+    "PublisherReport",
+    "Voxels",
+    "VoxelScan",
+    # Shapes.
+    "Shape",
     "Box",
     "Capsule",
-    "Clearance",
-    "ClearancePair",
-    "Client",
     "Cloud",
     "Cone",
     "Cylinder",
-    "Disconnected",
     "Ellipsoid",
-    "Error",
-    "Event",
-    "ExplainedApproach",
-    "ExplainedBody",
-    "ExplainedEvent",
-    "ExplainedGap",
-    "ExplainedMeeting",
-    "ExplainedMiss",
-    "ExplainedNews",
-    "ExplainedObject",
-    "ExplainedPair",
-    "ExplainedRay",
-    "ExplainedStale",
-    "ExplainedStanding",
     "HalfSpace",
     "HeightField",
-    "Hit",
     "Hull",
-    "InternalError",
     "Mesh",
-    "NoServer",
-    "PairAnswer",
     "Polyline",
-    "Publisher",
-    "PublisherReport",
-    "RecordedStandingEvents",
-    "Refused",
-    "Shape",
     "Sphere",
-    "StandingEvent",
-    "StandingWatch",
-    "Status",
+    # Errors.
+    "Error",
+    "BadInput",
+    "NoServer",
     "Timeout",
-    "Undecided",
-    "Verdict",
-    "VoxelScan",
-    "Voxels",
-    "Watch",
-    "connect",
-    "recorded_standing_events",
-    "version",
+    "Refused",
+    "Disconnected",
+    "InternalError",
 ]
+__all__ += _schema.__all__
+
+# Help and tracebacks name the package alone.
+for _name in __all__:
+    if isinstance(globals()[_name], type):
+        globals()[_name].__module__ = __name__

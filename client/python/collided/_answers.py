@@ -4,51 +4,16 @@ from __future__ import annotations
 
 import array
 import ctypes
-import enum
 import math
 from dataclasses import dataclass
 from typing import Any, Iterator
 
 from . import _numbers
-from ._contract import NO_TRIANGLE, UNDECIDED_REASON, VERDICT
+from ._contract import UNDECIDED_REASON
+from ._described import Undecided, Verdict, read
 from ._library import Owned, library, text, word
+from ._schema import Hit
 from ._structs import CAnswersInfo, CColumns
-
-
-class Undecided(Exception):
-    """An answer that is neither yes nor no was taken for one of them."""
-
-
-class Verdict(enum.IntEnum):
-    """True or false where it is HIT or MISS. bool() of the others raises Undecided, since "not known to hit" must not be
-    read as "free"."""
-
-    MISS = VERDICT.index("miss")
-    HIT = VERDICT.index("hit")
-    UNDECIDED = VERDICT.index("undecided")
-    INVALID = VERDICT.index("invalid")
-
-    def __bool__(self) -> bool:
-        if self in (Verdict.UNDECIDED, Verdict.INVALID):
-            raise Undecided(f"the answer is {self.name.lower()}, which is neither a hit nor a miss")
-        return self is Verdict.HIT
-
-
-@dataclass(frozen=True)
-class Hit:
-    """What one question hit. Metres; |true distance - distance| <= error."""
-
-    object: str
-    triangle: int | None
-    distance: float
-    error: float
-    point: tuple[float, float, float]
-    normal: tuple[float, float, float]
-    inside: bool
-    stale: bool
-    #: Inside by the winding number of a mesh that does not close (Client.add): `distance` is how far its surface is, which is
-    #: no depth.
-    by_winding: bool = False
 
 
 @dataclass(frozen=True)
@@ -300,21 +265,12 @@ class Answers(Owned):
         return float(three[0]), float(three[1]), float(three[2])
 
     def _hit(self, number: int) -> Hit:
-        def value(name: str) -> Any:
-            return self._column(name, first_hits=False)[number]
-
-        triangle = int(value("triangle"))
-        return Hit(
-            self._name(number, int(value("object_id"))),
-            None if triangle == NO_TRIANGLE else triangle,
-            float(value("distance_m")),
-            float(value("error_m")),
-            self._triple("point", number),
-            self._triple("normal", number),
-            bool(value("inside")),
-            bool(value("stale")),
-            bool(value("by_winding")),
-        )
+        row: dict[str, Any] = {}
+        for name, (_, _, width) in _TYPES.items():
+            if name not in _OF_QUESTIONS:
+                value = self._triple(name, number) if width == 3 else self._column(name, first_hits=False)[number]
+                row[name.removesuffix("_m")] = value
+        return read(Hit, {"object": self._name(number, int(row["object_id"])), **row})
 
     def __bool__(self) -> bool:
         raise Undecided("many answers are neither true nor false together; is_hit() has one for each question")

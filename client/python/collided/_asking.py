@@ -1,46 +1,19 @@
-"""The questions that a Client asks: rays, spheres, boxes, nearest points, pairs, groups, and what if."""
+"""The questions that a Client asks: rays, spheres, boxes, nearest points, points in solids, and what if."""
 
 from __future__ import annotations
 
 import ctypes
 import math
-from dataclasses import dataclass
-from typing import Annotated, Any, Sequence
+from typing import Any, Sequence
 
 from . import _numbers
-from ._answers import Answer, Answers, Verdict
+from ._answers import Answer, Answers
 from ._commands import Commanding
-from ._contract import CONTAINMENT, HIT_MODE, IMPORTANCE, INSTANT_KIND, UNDECIDED_REASON
-from ._described import read, row_of
+from ._contract import HIT_MODE, IMPORTANCE, INSTANT_KIND
 from ._errors import BadInput
-from ._groups import Clearance
 from ._library import call, code_of, encoded, library, nanoseconds
 from ._numbers import Row, Rows
-from ._structs import CAskOptions, CPairAnswer
-
-
-@dataclass(frozen=True)
-class PairAnswer:
-    """How two objects stand to each other. As a truth value it is its verdict's: they touch, or they do not."""
-
-    verdict: Verdict
-    reason: Annotated[str, "reason", UNDECIDED_REASON]
-    stale: bool
-    #: "a_in_b" or "b_in_a" where one lies within the other's closed mesh; else empty
-    contained: Annotated[str, "contained", CONTAINMENT]
-    distance: float  #: of a miss; |truth - distance| <= error
-    depth: float  #: of a hit; |truth - depth| <= error
-    error: float
-    normal: tuple[float, float, float]  #: unit, from a to b
-    on_a: tuple[float, float, float]
-    on_b: tuple[float, float, float]
-    point: tuple[float, float, float]
-    a_triangle: int | None
-    b_triangle: int | None
-    version: int
-
-    def __bool__(self) -> bool:
-        return bool(self.verdict)
+from ._structs import CAskOptions
 
 
 def _set_instant(options: CAskOptions, as_of: str | int) -> None:
@@ -157,39 +130,6 @@ class Asking(Commanding):
     def sphere(self, center: Row, radius: float, **options: Any) -> Answer:
         """What touches one sphere?"""
         return self.spheres([list(center)], [radius], **options)[0]  # type: ignore[arg-type]
-
-    def pair(self, a: str, b: str, timeout: float = 10.0) -> PairAnswer:
-        """Do two objects touch, how deep, or how far apart are they?"""
-        told = CPairAnswer(size=ctypes.sizeof(CPairAnswer))
-        names = encoded(a, "the name"), encoded(b, "the name")
-        call("pair", self._handle, *names, nanoseconds(timeout, "timeout"), ctypes.byref(told))
-        return read(PairAnswer, row_of(told))
-
-    def clearance(
-        self,
-        group: str,
-        to: str = "",
-        *,
-        most: int = 1,
-        nearer: float = math.inf,
-        skip: str = "",
-        with_filtered: bool = False,
-        deadline: float = 0.0,
-        timeout: float = 10.0,
-    ) -> Clearance:
-        """Which pairs of two groups are nearest to each other, and how near? One search over all pairs, on one state.
-
-        group, to      an object, a scene or a glob each; to "": everything that the first group has not
-        most           pairs told, 1 to 10,000
-        nearer         metres; pairs surely farther apart are not told
-        skip           glob of objects that are left out of both
-        with_filtered  also pairs that masks and groups let pass through each other"""
-        arguments: dict[str, Any] = {"from": group, "to": to, "most": most, "skip": skip, "with_filtered": with_filtered}
-        if nearer != math.inf:
-            arguments["nearer_m"] = nearer
-        if deadline != 0:
-            arguments["deadline_ns"] = nanoseconds(deadline, "deadline")
-        return read(Clearance, self.command("clearance", timeout=timeout, **arguments))
 
     def what_if(
         self,

@@ -3,47 +3,24 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass
 from typing import Any, Sequence
 
 from . import _numbers
 from ._asking import Asking
 from ._described import read, row_of
-from ._explaining import Explaining
 from ._library import call, encoded, library, nanoseconds
+from ._managing import Managing
+from ._measuring import Measuring
 from ._numbers import Row
 from ._publisher import Publisher
+from ._schema import ServerStatus
 from ._shapes import Shape, Solid, encode_object
 from ._standing import Standing
 from ._structs import CConnectOptions, CStatus, CPublishOptions, CWatchOptions
 from ._watch import Watch
 
 
-@dataclass(frozen=True)
-class Status:
-    """What the server said of itself last."""
-
-    name_space: str
-    version_text: str
-    pid: int
-    state: str  #: starting, recovering, ready or stopping
-    epoch: int
-    version: int
-    world_time_ns: int
-    static_triangles: int
-    objects: int
-    moving: int
-    contacts: int
-    contacts_truncated: bool
-    poses_applied: int
-    poses_dropped: int
-    questions_answered: int
-    questions_refused: int
-    undecided_answers: int
-    step_lasting_ns: int  #: of the step under way; 0: no step takes longer than statuses are apart
-
-
-class Client(Asking, Standing, Explaining):
+class Client(Asking, Measuring, Standing, Managing):
     """A connection to one server, made by connect(). Several threads may call at once.
 
     Questions take these keywords:
@@ -66,11 +43,11 @@ class Client(Asking, Standing, Explaining):
     def __init__(self, handle: ctypes.c_void_p) -> None:
         super().__init__(handle, "close")
 
-    def status(self) -> Status:
-        """What the server said of itself last, twenty times a second."""
+    def status(self) -> ServerStatus:
+        """The newest status that the server has published, which it does twenty times a second."""
         told = CStatus(size=ctypes.sizeof(CStatus))
         call("get_status", self._handle, ctypes.byref(told))
-        return read(Status, row_of(told))
+        return read(ServerStatus, row_of(told))
 
     def add(
         self,
@@ -128,11 +105,6 @@ class Client(Asking, Standing, Explaining):
     def detach(self, child: str) -> None:
         """It stays where it is."""
         call("detach", self._handle, encoded(child, "the child"))
-
-    def load(self, path: str, timeout: float = 600.0, **arguments: Any) -> dict[str, Any]:
-        """Loads a file that the server can read, as a scene: meshes, clouds, tables of boxes, robots (.urdf). The
-        arguments are those of the command `load`, such as name, unit, up and replace."""
-        return self.command("load", timeout=timeout, path=path, **arguments)
 
     def watch(self, only: str = "", skip: str = "", *, persisted: bool = False, capacity: int = 0, since_ns: int = 0) -> Watch:
         """Subscribes to contact events. What holds already comes first, as events of kind "open"."""

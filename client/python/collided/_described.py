@@ -1,33 +1,74 @@
-"""Answers of the server as instances of dataclasses, whose annotations say how they are read."""
+"""Answers of the server as frozen dataclasses, read by the names of their members."""
 
 from __future__ import annotations
 
 import ctypes
 import dataclasses
+import enum
 import functools
-import math
+import itertools
 import types
 import typing
 from typing import Any, TypeVar
 
-from ._answers import Verdict
-from ._contract import NO_TRIANGLE
-from ._library import text, word
+from ._contract import NO_TRIANGLE, VERDICT
+from ._library import text
 
+T = TypeVar("T")
+
+
+class Undecided(Exception):
+    """An answer that is neither yes nor no was used as a truth value."""
+
+
+class Verdict(enum.IntEnum):
+    """MISS and HIT are false and true. bool() of the others raises Undecided, since "not known to hit" must not be read as
+    "free"."""
+
+    MISS = VERDICT.index("miss")
+    HIT = VERDICT.index("hit")
+    UNDECIDED = VERDICT.index("undecided")
+    INVALID = VERDICT.index("invalid")
+
+    def __bool__(self) -> bool:
+        if self in (Verdict.UNDECIDED, Verdict.INVALID):
+            raise Undecided(f"the answer is {self.name.lower()}, which is neither a hit nor a miss")
+        return self is Verdict.HIT
+
+
+# The words of answers.
 _VERDICTS = {
     **dict.fromkeys(("miss", "outside", "apart"), Verdict.MISS),
     **dict.fromkeys(("hit", "inside", "touching"), Verdict.HIT),
 }
-T = TypeVar("T")
+
+
+class Judged:
+    """An answer whose truth value is that of its verdict, its first member."""
+
+    def __bool__(self) -> bool:
+        return bool(next(iter(vars(self).values())))
 
 
 def read(kind: type[T], row: dict[str, Any]) -> T:
-    """The answer as a dataclass.
+    """The answer as a dataclass. A member that was not written is false, 0, empty or None, as its type has it.
 
-    A member comes from that of its own name, or of the path in its Annotated[type, "name", place in the value, ...]; a tuple or
-    a dictionary in the path has the words for codes. A member that was not written is false, 0, empty or None, as its type has
-    it."""
-    return kind(**{name: _value(hint, _reached(row, path)) for name, hint, path in _members(typing.cast(Any, kind))})
+    The metadata of a member may have its name in the row ("json"; empty: it is read from the whole row), and the words of Python
+    for those of the row ("words")."""
+    values = {}
+    for name, hint, metadata in _members(typing.cast(Any, kind)):
+        place = metadata.get("json", name)
+        value = row.get(place) if place else row
+        if name.endswith("triangle") and value == NO_TRIANGLE:
+            value = None
+        values[name] = _value(hint, metadata["words"].get(value, value) if "words" in metadata else value)
+    return kind(**values)
+
+
+@functools.cache
+def _members(kind: Any) -> list[tuple[str, Any, Any]]:
+    hints = typing.get_type_hints(kind)
+    return [(member.name, hints[member.name], member.metadata) for member in dataclasses.fields(kind)]
 
 
 def row_of(struct: ctypes.Structure) -> dict[str, Any]:
@@ -41,44 +82,25 @@ def _plain(value: Any) -> Any:
     return tuple(value) if isinstance(value, ctypes.Array) else value
 
 
-@functools.cache
-def _members(kind: type) -> list[tuple[str, Any, tuple[Any, ...]]]:
-    members = []
-    for name, hint in typing.get_type_hints(kind, include_extras=True).items():
-        is_annotated = typing.get_origin(hint) is typing.Annotated
-        members.append((name, hint.__origin__, hint.__metadata__) if is_annotated else (name, hint, (name,)))
-    return members
-
-
-def _reached(value: Any, path: tuple[Any, ...]) -> Any:
-    for step in path:
-        if value is None:
-            return None
-        if isinstance(step, str):
-            value = value.get(step)
-        elif isinstance(step, slice):
-            value = value[step]
-        elif isinstance(step, tuple):
-            value = word(step, value)
-        elif isinstance(step, dict):
-            value = step[value]
-        else:
-            value = value[step] if step < len(value) else None
-    return None if str(path[0]).endswith("triangle") and value == NO_TRIANGLE else value
+def _named(kind: Any, numbers: list[Any]) -> dict[str, Any]:
+    """A row that was written as numbers alone, a vector as three of them."""
+    left, row = iter(numbers), {}
+    for name, hint, metadata in _members(kind):
+        value: Any = list(itertools.islice(left, 3 if typing.get_origin(hint) is tuple else 1))
+        row[metadata.get("json", name)] = value if len(value) == 3 else value[0]
+    return row
 
 
 def _value(hint: Any, value: Any) -> Any:
     kinds = typing.get_args(hint)
     if isinstance(hint, types.UnionType):
         return None if value is None else _value(kinds[0], value)
-    if value is None:
-        return hint()
-    if hint is float:
-        return math.inf if isinstance(value, str) else value
+    if dataclasses.is_dataclass(hint):
+        return read(typing.cast(type, hint), _named(hint, value) if isinstance(value, list) else value or {})
     if hint is Verdict:
-        return Verdict(value) if isinstance(value, int) else _VERDICTS.get(value, Verdict.UNDECIDED)
-    if hint is bool:
-        return bool(value)
-    if typing.get_origin(hint) is tuple:
-        return tuple(_value(kinds[0], one) for one in value) if kinds[-1] is ... else tuple(value[: len(kinds)])
-    return read(hint, value) if dataclasses.is_dataclass(hint) else value
+        return _VERDICTS.get(value, Verdict.UNDECIDED)
+    if typing.get_origin(hint) is not tuple:
+        return hint() if value is None else hint(value)
+    if kinds[-1] is ...:
+        return tuple(_value(kinds[0], each) for each in value or ())
+    return tuple(_value(of, each) for of, each in itertools.zip_longest(kinds, value or ()))

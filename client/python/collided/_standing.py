@@ -8,9 +8,11 @@ from typing import Any, Iterator, Sequence
 
 from ._commands import Commanding
 from ._contract import STANDING_FORM, DETECT_CROSS, DETECT_ENTER, DETECT_EXIT
+from ._described import read
 from ._errors import BadInput
 from ._events import StandingEvent, read_standing_event
 from ._library import Owned, call, code_of, encoded, library, nanoseconds
+from ._schema import ListedStanding
 from ._shapes import Shape, encode_parts
 from ._structs import FORM_ANY, NOTHING, CPart, CStanding, CStandingEvent
 from ._watch import SLICE_S
@@ -193,10 +195,10 @@ class Standing(Commanding):
         call("standing_remove", self._handle, encoded(name, "the name"), _form(form), ctypes.byref(removed))
         return removed.value
 
-    def standing(self, name: str = "", form: str | None = None) -> list[dict[str, Any]]:
-        """The standing questions whose names match the glob, and what each `holds`, as the command `fences` lists them."""
+    def standing(self, name: str = "", form: str | None = None) -> list[ListedStanding]:
+        """The standing questions whose names match the glob, and what each `holds`."""
         arguments: dict[str, Any] = {} if form is None else {"form": STANDING_FORM[_form(form)]}
-        return list(self.command("fences", name=name, **arguments)["standing"])
+        return [read(ListedStanding, row) for row in self.command("fences", name=name, **arguments)["standing"]]
 
     def watch_standing(self, only: str = "", skip: str = "", form: str | None = None) -> StandingWatch:
         """Subscribes to standing questions. What holds already comes first, as "inside", "within" and "is".

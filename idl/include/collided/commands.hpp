@@ -113,13 +113,16 @@ struct LoadOptions {
 struct Loaded {
   std::string scene;  // its name
   std::uint64_t triangles = 0;
-  std::uint64_t parts = 0;    // of the scene's mesh
-  std::uint64_t objects = 0;  // besides the parts
-  double seconds = 0;         // that loading took
-  /// What was placed where, what else is worth knowing, what was mended, which parts were refused, what looks odd, and
-  /// which of the server's structures this world does without.
-  std::vector<std::string> placed, notes, mended, refused, warnings, left_out;
-  std::vector<CoveredBox> covers;  // as in LoadOptions
+  std::uint64_t parts = 0;            // of the scene's mesh
+  std::uint64_t objects = 0;          // besides the parts
+  double seconds = 0;                 // that loading took
+  std::vector<std::string> placed;    // what was placed where
+  std::vector<std::string> notes;     // other facts worth knowing
+  std::vector<std::string> mended;    // what was mended
+  std::vector<std::string> refused;   // parts that were refused, and why
+  std::vector<std::string> warnings;  // what looks odd
+  std::vector<std::string> left_out;  // structures of the server that this world does without
+  std::vector<CoveredBox> covers;     // as in LoadOptions
   std::uint64_t version = 0;
   std::string not_kept = {};  // as in Added
 };

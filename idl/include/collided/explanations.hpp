@@ -24,10 +24,10 @@ struct ExplainOptions {
   std::string only = {};
   std::string skip = {};
   Instant as_of = {};                    // rays and pairs: of all objects; latest: each at its newest pose
-  std::string why_not = {};              // rays, fences, the nearest: an object that is told of in any case
-  std::uint32_t most = 3;                // the same: misses, objects outside or farther away that are told
+  std::string why_not = {};              // rays, fences, the nearest: an object that is reported in any case
+  std::uint32_t most = 3;                // the same: misses, objects outside or farther away that are reported
   std::chrono::nanoseconds last{0};      // pairs: how far back their paths are looked at; 0: all of memory
-  std::chrono::nanoseconds deadline{0};  // on the server, which then tells what it has; 0: none but the timeout
+  std::chrono::nanoseconds deadline{0};  // on the server, which then returns what it has; 0: none but the timeout
   std::chrono::nanoseconds timeout{10'000'000'000};  // for the answer
 };
 
@@ -79,6 +79,7 @@ struct ExplainedStale {
   double from_m = 0;                // where along the ray that may be, at the earliest
 };
 
+/// Why a ray meets what it meets.
 struct ExplainedRay {
   Verdict verdict = Verdict::miss;
   UndecidedReason reason = UndecidedReason::none;
@@ -116,10 +117,11 @@ struct ExplainedApproach {
   std::uint64_t looks = 0;  // distances that it took
 };
 
+/// How two objects stand to each other, and why contacts of them are not reported.
 struct ExplainedPair {
   PairAnswer answer = {};  // as Client::pair gives it, without triangles and certificate
   std::vector<std::string> why_not =
-      {};                     // what keeps contacts of the two from being told, a sentence each; empty: they are
+      {};                     // what keeps contacts of the two from being reported, a sentence each; empty: they are
   std::string attached = {};  // the one that moves along with the other; empty: neither
   std::optional<ExplainedApproach> nearest = {};
   std::string no_nearest = {};  // why there is none
@@ -197,6 +199,7 @@ struct ExplainedGap {
   double error_m = 0;
 };
 
+/// The data behind an event that was reported.
 struct ExplainedEvent {
   std::uint64_t sequence = 0;
   EventsOf of = EventsOf::contacts;
@@ -207,7 +210,7 @@ struct ExplainedEvent {
   std::string b = {};
   std::string margin = {};                 // of bands: the question's name, and `b` is the object that has the band
   std::string within = {};                 // and the band, in metres
-  std::uint32_t a_triangle = kNoTriangle;  // as in Event, and so are the next six
+  std::uint32_t a_triangle = kNoTriangle;  // as in Event, and so are the members up to `began`
   std::uint32_t b_triangle = kNoTriangle;
   double depth_m = 0;
   double error_m = 0;

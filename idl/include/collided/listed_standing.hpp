@@ -20,23 +20,21 @@ using codes::StandingForm;
 struct DefinedStanding {
   std::string name = {};
   StandingForm form = StandingForm::region;
-  std::string only = {};  // as in Standing, and so are the next three
+  std::string only = {};  // as in Standing, and so are skip, mask and keep
   std::string skip = {};
   std::uint32_t mask = 0xffffffff;
   bool keep = false;
-  // Of a region: what its shape is (sphere, box, ..., mesh, compound), the object that it moves along with, and which of
-  // enter, exit and cross it reports.
-  std::string kind = {};
-  std::string to = {};  // of the nearest: the object that the distances are to; empty: `point`
-  std::vector<std::string> detect = {};
-  // Of bands.
-  std::string around = {};
-  std::vector<double> bands_m = {};  // the widest first; the last one is 0, contact
-  std::chrono::nanoseconds dwell{0};
-  // Of the nearest.
-  std::optional<Vec3> point = {};
-  double within_m = 0;
-  double hysteresis_m = 0;  // of bands too
+  std::string kind = {};  // of a region: its shape (sphere, box, ..., mesh, compound)
+  /// Of a region: the object that it moves along with. Of the nearest: the object that the distances are to. Empty: none,
+  /// or `point`.
+  std::string to = {};
+  std::vector<std::string> detect = {};  // of a region: which of enter, exit and cross it reports
+  std::string around = {};               // of bands: name glob of the objects that have the bands
+  std::vector<double> bands_m = {};      // of bands: the widest first; the last one is 0, contact
+  std::chrono::nanoseconds dwell{0};     // of bands: how long a change must last
+  std::optional<Vec3> point = {};        // of the nearest, in place of `to`
+  double within_m = 0;                   // of the nearest: objects farther away do not count
+  double hysteresis_m = 0;               // of bands and the nearest
 };
 
 /// What a standing question holds: an object in the region, a pair within a band, or the object that is nearest.
@@ -51,8 +49,8 @@ struct HeldObject {
 /// A standing question in the server, and what it holds.
 struct ListedStanding : DefinedStanding {
   std::vector<HeldObject> holds = {};
-  /// Of the nearest: searches that ended at their limit of looks, so far. An object that became the nearest and was it no
-  /// longer within such a piece of the way may not be reported.
+  /// Of the nearest: searches cut short at the evaluation limit. A candidate that came and went during such an interval
+  /// may be missing from the events.
   std::uint64_t cut_short = 0;
 };
 
