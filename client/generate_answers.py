@@ -18,9 +18,9 @@ DESCRIPTIONS = ("idl/answers", "client/library/watching")
 # Arguments, a picture, and answers of which the calls of a Client return the one number that programs use.
 LEFT_OUT = ("LoadOptions", "OutlinedStanding", "Added", "Moved", "Removed", "RuleChanged", "Attached")
 # These come by the C interface: with all their members, or with those of a C struct.
-BY_C = {"Hit": "", "ServerStatus": "collided_status"}
+BY_C = {"Hit": "", "ServerStatus": "collided_status", "VoxelScan": ""}
 PLAIN = {"bool": "bool", "string": "str", "double": "float", "Vec3": "Vector", "Pose": "Pose", "chrono::nanoseconds": "int",
-         "uint32_t": "int", "uint64_t": "int"}
+         "uint32_t": "int", "uint64_t": "int", "size_t": "int"}
 
 Struct = collections.namedtuple("Struct", "name comment base members aliases")
 

@@ -33,7 +33,7 @@ def modules() -> dict[str, bytes]:
     """The files of the package by their names in the wheel."""
     with tempfile.TemporaryDirectory() as build:
         for generator, *sources in GENERATORS:
-            command = [sys.executable, "-B", ROOT / generator, build, *(ROOT / source for source in sources)]
+            command = [sys.executable, "-B", str(ROOT / generator), build, *(str(ROOT / source) for source in sources)]
             subprocess.run(command, check=True)
         generated = pathlib.Path(build).glob("client/python/collided/*.py")
         paths = [*HERE.glob("collided/*.py"), HERE / "collided/py.typed", *generated]

@@ -27,6 +27,8 @@ The package lies over the C interface of the client library (collided.h) by ctyp
 libcollided_client.so.1 where the system looks, or where the environment variable COLLIDED_LIBRARY points.
 """
 
+from types import FunctionType
+
 from . import _schema
 from ._answers import Answer, Answers
 from ._client import Client, connect
@@ -53,7 +55,7 @@ from ._shapes import (
     Sphere,
 )
 from ._standing import StandingWatch
-from ._voxels import Voxels, VoxelScan
+from ._voxels import Voxels
 from ._watch import Watch
 
 __version__ = version()
@@ -79,7 +81,6 @@ __all__ = [
     "Publisher",
     "PublisherReport",
     "Voxels",
-    "VoxelScan",
     # Shapes.
     "Shape",
     "Box",
@@ -107,5 +108,5 @@ __all__ += _schema.__all__
 
 # Help and tracebacks name the package alone.
 for _name in __all__:
-    if isinstance(globals()[_name], type):
+    if isinstance(globals()[_name], (type, FunctionType)):
         globals()[_name].__module__ = __name__

@@ -3,28 +3,18 @@
 from __future__ import annotations
 
 import ctypes
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any
 
 from . import _numbers
 from ._contract import LOST_POLICY, UNKNOWN_CELLS
+from ._described import read, row_of
 from ._library import Owned, call, code_of, encoded, library, nanoseconds
 from ._numbers import Row, Rows
+from ._schema import VoxelScan
 from ._structs import CVoxelScan, CVoxelOptions
 
 if TYPE_CHECKING:
     from ._publisher import Publisher
-
-
-class VoxelScan(NamedTuple):
-    """What became of a scan."""
-
-    points: int  #: taken
-    refused: int  #: not finite, or too far from the grid's origin
-    far: int  #: beyond `reach`: they only clear what lies before
-    dropped: int  #: in a block beyond the limit
-    occupied: int  #: cells that have points
-    crossed: int  #: cells without a point that rays crossed to an effect: occupied ones; unless unknown is free, also new ones
-    changed: int  #: blocks whose cells are other than before
 
 
 class Voxels(Owned):
@@ -47,9 +37,7 @@ class Voxels(Owned):
         scan = CVoxelScan(size=ctypes.sizeof(CVoxelScan))
         name = "voxels_insert_floats" if is_single else "voxels_insert"
         call(name, self._handle, taken.count, taken.pointer, start, time_ns, ctypes.byref(scan))
-        return VoxelScan(
-            scan.points, scan.refused, scan.far_off, scan.dropped, scan.occupied, scan.crossed, scan.changed
-        )
+        return read(VoxelScan, {"far": scan.far_off, **row_of(scan)})
 
     def decay(self, *, time_ns: int = 0) -> int:
         """Lets what no scan has met for long become unknown; insert() does so too. Returns the number of changed
