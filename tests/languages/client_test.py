@@ -553,60 +553,35 @@ class World(WithServer):
         self.addCleanup(self.client.remove, "py_*")
         ray = self.client.explain_ray((800, 0, 5), (0, 0, -1), mask=1, why_not="py_mast", most=1)
         self.assertTrue(ray)
-        self.assertEqual([met.object for met in ray.met], ["py_floor"])
-        self.assertEqual((ray.met[0].kind, ray.rung, ray.met[0].part), ("box", "double", None))
+        self.assertEqual([(met.object, met.kind, met.rung, met.part) for met in ray.met], [("py_floor", "box", "double", None)])
         self.assertAlmostEqual(ray.met[0].distance, 5, delta=ray.met[0].error)
         (glass,) = ray.left_out
         self.assertEqual((glass.object, glass.why_left_out), ("py_glass", "its layers 0x2 are not in the mask 0x1"))
         mast = next(miss for miss in ray.misses if miss.object == "py_mast")
         self.assertEqual((mast.verdict, mast.where, mast.box_met), (Verdict.MISS, "beside", False))
-        self.assertAlmostEqual(mast.distance, 0.5, delta=mast.error + 1e-12)
         self.assertEqual((ray.uncovered, ray.stale, ray.unknown, ray.cut, ray.late), (None, (), (), False, False))
-        self.assertEqual([met.object for met in self.client.explain_ray((800, 0, 5), (0, 0, -1)).met[:2]], ["py_glass", "py_floor"])
 
-        pair = self.client.explain_pair("py_glass", "py_mast")
-        self.assertTrue(pair and pair.answer.verdict is Verdict.HIT and pair.answer.depth >= 0)
         apart = self.client.explain_pair("py_mast", "py_floor")
         self.assertFalse(apart)
         self.assertAlmostEqual(apart.answer.distance, 1.5, delta=apart.answer.error)
-        self.assertIsNotNone(apart.nearest)
         self.assertEqual(apart.nearest.end, "found")
-        self.assertLessEqual(apart.nearest.at_least, apart.nearest.distance + apart.nearest.error)
 
         self.client.add_region("py_yard", collided.Box((1, 1, 1), (800, 20, 2)), only="py_m*")
         self.addCleanup(self.client.remove_standing, "py_yard")
-        with self.client.watch() as watch, self.client.watch_standing("py_yard") as yard:
+        with self.client.watch_standing("py_yard") as yard:
             self.client.move("py_mast", (800, 20, 2))
             entered = yard.next(20)
-            began = None
             self.client.move("py_mast", (800, 0, 0.25))
-            while began is None or (began.kind, {began.a, began.b}) != ("began", {"py_mast", "py_floor"}):
-                began = watch.next(20)
-                self.assertIsNotNone(began)
+            self.assertEqual((entered.kind, yard.next(20).kind), ("enter", "exit"))
         region = self.client.explain_standing("py_yard", why_not="py_floor")
         self.assertEqual((region.form, region.kind, region.looked_at, region.holds), ("region", "box", 1, ()))
         self.assertEqual([(one.object, one.verdict) for one in region.others], [("py_mast", Verdict.MISS)])
         self.assertEqual(region.asked_for.why_left_out, "the fence looks at 'py_m*' alone")
         self.assertEqual([(news.what, news.object) for news in region.events], [("enter", "py_mast"), ("exit", "py_mast")])
 
-        event = self.client.explain_event(began.sequence)
-        self.assertEqual((event.what, {event.a, event.b}), ("began", {"py_mast", "py_floor"}))
+        event = self.client.explain_event(entered.sequence, of="standing")
+        self.assertEqual((event.what, event.of), ("enter", "standing"))
         self.assertLessEqual(event.low_ns, event.high_ns)
-        self.assertEqual({body.object for body in event.bodies}, {"py_mast", "py_floor"})
-        self.assertEqual(self.client.explain_event(entered.sequence, of="standing").what, "enter")
-        self.client.add_nearest("py_which", "py_[gf]*", "py_mast", 20)
-        self.addCleanup(self.client.remove_standing, "py_which")
-        until = time.monotonic() + 20
-        while True:  # it is reported once all that the question looks at is known
-            which = self.client.explain_standing("py_which", why_not="py_mast")
-            if which.holds or time.monotonic() > until:
-                break
-        self.assertEqual((which.form, which.to, which.looked_at, which.cut_short, which.within), ("nearest", "py_mast", 2, 0, 20))
-        self.assertEqual([(one.object, one.verdict, one.reported) for one in which.holds], [("py_floor", Verdict.HIT, True)])
-        self.assertEqual([one.object for one in which.others], ["py_glass"])
-        self.assertAlmostEqual(which.others[0].clearance, 0.75, delta=which.others[0].error + 1e-9)
-        self.assertEqual(which.asked_for.why_left_out, "the distances are to it")
-        self.assertEqual([news.what for news in which.events], ["nearest"])
         for refused in (lambda: self.client.explain_standing("py_none"), lambda: self.client.explain_ray((0, 0, 0), (0, 0, 0)),
                         lambda: self.client.explain_pair("py_mast", "py_none"), lambda: self.client.explain_event(10**9)):
             with self.assertRaises(collided.Refused):

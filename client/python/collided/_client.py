@@ -36,6 +36,14 @@ class Client(Asking, Measuring, Standing, Managing):
       as_of       "latest" (default), "settled", nanoseconds since 1970, or minus nanoseconds before now
       importance  "normal", "low" or "high"
       out         Answers of an earlier call, whose memory is used again
+    pair, clearance and explanations take as_of, deadline and timeout of these.
+
+    Standing questions, which the server keeps and whose changes it reports, take these:
+      name  unique among standing questions
+      only  name glob of the objects that the question looks at
+      skip  name glob of objects that it leaves out; empty: none
+      mask  bits; it looks at objects with one of these layers
+      keep  the question stays until it is removed, and outlives the server; otherwise it goes with this client
     """
 
     _what = "the client"

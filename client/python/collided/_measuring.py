@@ -15,13 +15,7 @@ from ._schema import ClearanceAnswer, ExplainedEvent, ExplainedPair, ExplainedRa
 
 
 class Measuring(Commanding):
-    """The calls of a Client that measure objects, and those that explain an answer.
-
-    In all of them:
-      as_of     "latest" (default), "settled", nanoseconds since 1970, or minus nanoseconds before now
-      deadline  seconds on the server, which then returns what it has; 0: none but the timeout
-      timeout   seconds that the call waits
-    """
+    """The calls of a Client that measure objects, and those that explain an answer."""
 
     def pair(
         self,

@@ -70,15 +70,7 @@ class StandingWatch(Owned):
 
 
 class Standing(Commanding):
-    """The calls of a Client for standing questions, which the server keeps and whose changes it reports.
-
-    In all of them:
-      name  unique among standing questions
-      only  name glob of the objects that the question looks at
-      skip  name glob of objects that it leaves out; empty: none
-      mask  bits; it looks at objects with one of these layers
-      keep  the question stays until it is removed, and outlives the server; otherwise it goes with this client
-    """
+    """The calls of a Client for standing questions."""
 
     def _add_standing(self, form: str, name: str, only: str, skip: str, mask: int, keep: bool, **members: Any) -> int:
         if not 0 <= mask <= _ALL_LAYERS:
