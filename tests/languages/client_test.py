@@ -632,6 +632,8 @@ class World(WithServer):
                     publisher.voxels("py_bad_scan", **wrong)
             with publisher.voxels("py_bad_scan", 0.1) as voxels, self.assertRaises(collided.BadInput):
                 voxels.insert([[1, 2]])
+            with publisher.voxels("py_small_scan", 0.1, most_blocks=1) as voxels:
+                self.assertEqual(voxels.insert([[702, 0, 1], [720, 0, 1]]).dropped, 1)
 
     def test_silence_is_reported_and_not_called_free(self):
         with self.client.publish("py_tracker", lease=0.2, gap=2) as publisher:
@@ -639,7 +641,9 @@ class World(WithServer):
             publisher.flush()
             publisher.wait_applied()
             time.sleep(0.6)
-            self.assertNotEqual(self.client.spheres([[330, 0, 0]], [0.1])[0].verdict, Verdict.MISS)
+            silent = self.client.spheres([[330, 0, 0]], [0.1])
+            self.assertNotEqual(silent[0].verdict, Verdict.MISS)
+            self.assertGreater(silent.oldest_pose_age_ns, 0)
             publisher.move(drone, (330, 0, 0))
             with self.assertWarnsRegex(RuntimeWarning, "'py_tracker' was silent for .* longer than its lease of 200 ms"):
                 publisher.flush()

@@ -27,7 +27,7 @@ NO_CLASS = {
 # Members that Python lacks.
 NO_MEMBER = {
     "Answer": {"cost"},  # the C interface has no columns of it
-    "Answers": {"answers", "oldest_pose_age", "server"},  # the answers are its items
+    "Answers": {"answers", "server"},  # the answers are its items
     "ObjectDetails": {"bounds"},  # command("get") has them with null for a side without end
     "ProbeReading": {"epoch", "version", "world_time"},  # of the state that all readings are about: command("probes")
     "ServerStatus": {"scenes", "last_event_sequence", "publishers", "age"},  # the C struct has no lists
@@ -39,7 +39,7 @@ NO_OPTION = {
     "ObjectOptions": {"unknown"},
     "ClearanceOptions": {"progress"},
     "WhatIfOptions": {"with_filtered"},
-    "VoxelOptions": {"clearing_delay", "most_blocks"},
+    "VoxelOptions": {"clearing_delay"},
 }
 # Options of calls that Python lacks: replay, robots, shapes and shards are for programs in C++.
 NO_CALL_WITH = {"ReplayOptions", "PublishedRobotOptions", "ShapesOptions", "ShardSplitOptions"}
@@ -47,6 +47,11 @@ NO_CALL_WITH = {"ReplayOptions", "PublishedRobotOptions", "ShapesOptions", "Shar
 NO_CALL = {
     "Client": {"sweep", "watch_probes", "shapes", "poses", "command_with_bytes", "upload", "strangers", "ask_async"},
     "Publisher": {"reshape"},
+}
+# Functions that the C interface lacks: of recordings, of the fleet, of robots, and the check of a proof.
+NO_FUNCTION = {
+    "record", "fetch_recording", "recorded_events", "replay", "diagnose", "fleet", "fleet_findings", "split_shard", "robot_objects",
+    "what_if", "proves",
 }
 # Commands that have no call of their own and are sent by command().
 COMMAND_ALONE = {
@@ -68,6 +73,7 @@ NO_ARGUMENT = {
 RENAMED = {
     "lost_policy": "lost", "pose": "position", "solid_by_winding": "solid", "with_clearance": "clearance", "from": "from_ns",
     "since": "since_ns", "bracket_low": "bracket", "bracket_high": "bracket", "left_low": "left", "left_high": "left",
+    "library_version": "version",
 }
 CALLS_OF = {"ask": "rays", "add": "add_region"}
 
@@ -212,6 +218,11 @@ def call_faults(text):
                             hasattr(getattr(collided, name), of)}, exceptions)
 
 
+def function_faults(text):
+    functions = set(re.findall(r"^(?!using|struct|class|inline)[A-Za-z][\w:<>, ]*[>\w] (\w+)\([^;]*?\);", text, re.MULTILINE))
+    yield from compared("functions", functions, set(collided.__all__), NO_FUNCTION)
+
+
 def command_faults(text, sent):
     table = tables(text)
     typed = {name for name, _ in sent}
@@ -225,7 +236,7 @@ def command_faults(text, sent):
 
 
 def faults(text):
-    return [*member_faults(text), *option_faults(text), *call_faults(text), *command_faults(text, commands_sent())]
+    return [*member_faults(text), *option_faults(text), *call_faults(text), *function_faults(text), *command_faults(text, commands_sent())]
 
 
 # Text of the headers, what it becomes, and the fault that this is.
@@ -238,6 +249,7 @@ PLANTED = [
     ("    {kGet, ask,", "    {kTakeOver, ask, nothing, all},\n    {kGet, ask,", "commands: Python lacks take_over"),
     ('kPair[]{{"a", text},', 'kPair[]{{"planted", text},', "pair: the server does not know ['a']"),
     ('kGet[]{{"name", text}};', 'kGet[]{{"name", text}, {"planted", truth}};', "get: Python lacks planted"),
+    ("Result<Fleet> fleet(", "Result<void> planted(int number);\nResult<Fleet> fleet(", "functions: Python lacks planted"),
     ("  Result<ServerStatus> status();", "  Result<void> planted();\n  Result<ServerStatus> status();", "Client: Python lacks planted"),
 ]
 

@@ -40,19 +40,7 @@ from ._publisher import Publisher, PublisherReport
 from ._recordings import RecordedStandingEvents, recorded_standing_events
 from ._schema import *
 from ._shapes import (
-    Box,
-    Capsule,
-    Cloud,
-    Cone,
-    Cylinder,
-    Ellipsoid,
-    HalfSpace,
-    HeightField,
-    Hull,
-    Mesh,
-    Polyline,
-    Shape,
-    Sphere,
+    Box, Capsule, Cloud, Cone, Cylinder, Ellipsoid, HalfSpace, HeightField, Hull, Mesh, Polyline, Shape, Sphere,
 )
 from ._standing import StandingWatch
 from ._voxels import Voxels
@@ -61,48 +49,13 @@ from ._watch import Watch
 __version__ = version()
 
 __all__ = [
-    # The connection.
-    "connect",
-    "Client",
-    "version",
-    # Answers to questions.
-    "Answers",
-    "Answer",
-    "Verdict",
-    "Undecided",
-    # Events.
-    "Watch",
-    "Event",
-    "StandingWatch",
-    "StandingEvent",
-    "recorded_standing_events",
-    "RecordedStandingEvents",
-    # Publishing.
-    "Publisher",
-    "PublisherReport",
-    "Voxels",
-    # Shapes.
-    "Shape",
-    "Box",
-    "Capsule",
-    "Cloud",
-    "Cone",
-    "Cylinder",
-    "Ellipsoid",
-    "HalfSpace",
-    "HeightField",
-    "Hull",
-    "Mesh",
-    "Polyline",
-    "Sphere",
-    # Errors.
-    "Error",
-    "BadInput",
-    "NoServer",
-    "Timeout",
-    "Refused",
-    "Disconnected",
-    "InternalError",
+    "connect", "Client", "version",
+    "Answers", "Answer", "Verdict", "Undecided",
+    "Watch", "Event", "StandingWatch", "StandingEvent", "recorded_standing_events", "RecordedStandingEvents",
+    "Publisher", "PublisherReport", "Voxels",
+    "Shape", "Box", "Capsule", "Cloud", "Cone", "Cylinder", "Ellipsoid", "HalfSpace", "HeightField", "Hull", "Mesh",
+    "Polyline", "Sphere",
+    "Error", "BadInput", "NoServer", "Timeout", "Refused", "Disconnected", "InternalError",
 ]
 __all__ += _schema.__all__
 

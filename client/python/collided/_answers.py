@@ -115,6 +115,11 @@ class Answers(Owned):
         return int(self._info.world_time_ns)
 
     @property
+    def oldest_pose_age_ns(self) -> int | None:
+        """Of the poses that decided; None: only static geometry did."""
+        return int(self._info.oldest_pose_age_ns) if self._info.has_oldest_pose else None
+
+    @property
     def compute(self) -> float:
         """Seconds that the server took, summed over its messages."""
         return float(self._info.compute_ns) * 1e-9

@@ -133,12 +133,13 @@ class Publisher(Owned):
         reach: float = float("inf"),
         layers: int = 1,
         lost: str = "freeze",
+        most_blocks: int = 32_768,
     ) -> Voxels:
         """A grid of cells of this side that scans make occupied or free. unknown: what the other cells are, "free",
         "undecided" (a question that reaches into them is undecided, with the reason not_covered) or "occupied". decay:
         seconds after which a cell that no scan has met is unknown again (0: never). reach: points farther from their
-        scan's origin do not count."""
-        return _voxels.start(self, name, cell, unknown, decay, reach, layers, lost)
+        scan's origin do not count. most_blocks: of 16 x 16 x 16 cells that may be in use."""
+        return _voxels.start(self, name, cell, unknown, decay, reach, layers, lost, most_blocks)
 
     def __enter__(self) -> Publisher:
         return self

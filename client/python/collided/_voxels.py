@@ -68,11 +68,12 @@ def start(
     reach: float,
     layers: int,
     lost: str,
+    most_blocks: int,
 ) -> Voxels:
     """A grid of this publisher; see Publisher.voxels()."""
     options = CVoxelOptions()
     library.collided_voxel_defaults(ctypes.byref(options), ctypes.sizeof(options))
-    options.cell_m, options.reach_m, options.layers = cell, reach, layers
+    options.cell_m, options.reach_m, options.layers, options.most_blocks = cell, reach, layers, most_blocks
     options.unknown, options.lost_policy = code_of(unknown, UNKNOWN_CELLS, "unknown"), code_of(lost, LOST_POLICY, "lost")
     options.decay_ns = nanoseconds(decay, "decay")
     handle = ctypes.c_void_p()
