@@ -18,13 +18,18 @@ from ._structs import CAnswersInfo, CColumns
 
 @dataclass(frozen=True)
 class Answer:
-    """The answer to one question. As a truth value it is its verdict's."""
+    """The answer to one question. As a truth value it is its verdict's.
+
+    verdict
+    reason     if undecided: why, such as "stale_object"; else empty
+    hits       nearest first, for spheres and boxes deepest first
+    uncovered  with reason "not_covered": the point at which the question leaves the space with complete geometry
+    covered    and the metres before that point
+    """
 
     verdict: Verdict
-    reason: str  #: why it is undecided, such as "stale_object"; else empty
-    hits: tuple[Hit, ...]  #: nearest first, of spheres and boxes deepest first
-    #: With reason "not_covered": where the question leaves the space in which the geometry is complete, and the distance that
-    #: is covered.
+    reason: str
+    hits: tuple[Hit, ...]
     uncovered: tuple[float, float, float] | None = None
     covered: float | None = None
 
@@ -58,9 +63,9 @@ _OF_QUESTIONS = ("verdict", "reason", "hit_count", "uncovered", "covered_m")
 class Answers(Owned):
     """The answers to one call, in the order of its questions, all about one state of the world.
 
-    The columns (distance, point, object and so on) are of each question's first hit; NaN, 0 or None where there is none.
-    They are numpy arrays where numpy is installed, else array.array or lists. hits() has all hits. A column is fetched
-    when it is first asked for. Given as `out=` to a later call, the memory is used again and the columns change.
+    The columns (distance, point, object and so on) describe each question's first hit; NaN, 0 or None without a hit. They
+    are numpy arrays if numpy is installed, else array.array or lists. hits() has all hits. A column is fetched when it is
+    first read. Given as `out=` to a later call, the memory is used again and the columns change.
     """
 
     _what = "the answers"
@@ -72,7 +77,7 @@ class Answers(Owned):
         self._names: dict[int, str] = {}
 
     def _empty(self) -> ctypes.c_void_p:
-        """Forgets what is there; returns where the next answers go."""
+        """Drops the answers; returns the handle that takes the next ones."""
         self._columns.clear()
         self._names.clear()
         self._info = CAnswersInfo(size=ctypes.sizeof(CAnswersInfo))
@@ -106,17 +111,17 @@ class Answers(Owned):
 
     @property
     def version(self) -> int:
-        """Of the state of the world; grows with each change."""
+        """Number of the state of the world; grows with each change."""
         return int(self._info.version)
 
     @property
     def world_time_ns(self) -> int:
-        """Of that state, since 1970, by the publishers' clocks."""
+        """Time of that state, since 1970, by the publishers' clocks."""
         return int(self._info.world_time_ns)
 
     @property
     def oldest_pose_age_ns(self) -> int | None:
-        """Of the poses that decided; None: only static geometry did."""
+        """Age of the oldest pose that decided an answer; None: only static geometry did."""
         return int(self._info.oldest_pose_age_ns) if self._info.has_oldest_pose else None
 
     @property
@@ -146,12 +151,13 @@ class Answers(Owned):
 
     @property
     def triangle(self) -> Any:
-        """(n,) numbers of triangles; 4294967295 where it is none."""
+        """(n,) numbers of triangles; 4294967295 for other shapes."""
         return self._column("triangle")
 
     @property
     def distance(self) -> Any:
-        """(n,) metres: of a ray from its origin, of a sphere or box the depth, of nearest from the point."""
+        """(n,) metres: for a ray the distance from its origin, for a sphere or box the depth, for nearest the distance from the
+        point."""
         return self._column("distance_m")
 
     @property
@@ -161,7 +167,7 @@ class Answers(Owned):
 
     @property
     def exit(self) -> Any:
-        """(n,) metres: where a ray leaves a convex solid; else 0."""
+        """(n,) metres: how far along a ray it leaves a convex solid; else 0."""
         return self._column("exit_m")
 
     @property
@@ -171,32 +177,32 @@ class Answers(Owned):
 
     @property
     def normal(self) -> Any:
-        """(n, 3) unit vectors: of rays against the ray, of nearest towards the point."""
+        """(n, 3) unit vectors: for rays against the ray, for nearest towards the point."""
         return self._column("normal")
 
     @property
     def inside(self) -> Any:
-        """(n,) 1 where a ray begins, or a point lies, in a solid; 2 where it is so by winding number; else 0."""
+        """(n,) 1 if a ray begins, or a point lies, in a solid; 2 if that is by winding number; else 0."""
         return self._column("inside")
 
     @property
     def by_winding(self) -> Any:
-        """(n,) 1 where the distance is that of the surface of a mesh that does not close, and no depth; else 0."""
+        """(n,) 1 if the distance is that to the surface of a mesh that does not close, which is not a depth; else 0."""
         return self._column("by_winding")
 
     @property
     def uncovered(self) -> Any:
-        """(n, 3) where a question leaves the space in which the geometry is complete; NaN where it does not."""
+        """(n, 3) the point at which a question leaves the space with complete geometry; else NaN."""
         return self._column("uncovered")
 
     @property
     def covered(self) -> Any:
-        """(n,) metres of each question that are in that space, with reason 6; else NaN."""
+        """(n,) metres of the question before that point, with reason 6; else NaN."""
         return self._column("covered_m")
 
     @property
     def object(self) -> list[str | None]:
-        """Names of what was hit first; None where nothing was."""
+        """Name of the object that each question hit first; None without a hit."""
         names: list[str | None] = []
         hit = 0
         for count, number in zip(self.hit_count, self.object_id):
@@ -212,7 +218,7 @@ class Answers(Owned):
         return name
 
     def is_hit(self) -> Any:
-        """(n,) true or false. Raises Undecided where one of the answers is neither."""
+        """(n,) true or false. Raises Undecided if one of the answers is neither."""
         for verdict in set(self.verdict.tolist()):
             bool(Verdict(verdict))
         if _numbers.numpy is not None:

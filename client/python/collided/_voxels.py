@@ -27,9 +27,9 @@ class Voxels(Owned):
         self._publisher = publisher
 
     def insert(self, points: Rows, origin: Row | None = None, *, time_ns: int = 0) -> VoxelScan:
-        """Takes a scan and sends what it changes. points: (n, 3), metres, in the world; float32 and float64 are not
-        copied. origin: of the sensor; with it the space up to each point becomes free. time_ns: for decay (0: now)."""
-        _ = self._publisher._handle  # of a closed publisher the library must not hear
+        """Inserts a scan and publishes the changes. points: (n, 3), metres, in the world; float32 and float64 are not
+        copied. origin: the sensor's; with it the space up to each point becomes free. time_ns: for decay (0: now)."""
+        _ = self._publisher._handle  # refuses a closed publisher, which the library must not use
         given = _numbers.numpy.asarray(points) if _numbers.numpy is not None else points
         is_single = getattr(given, "dtype", None) == "float32"
         taken = _numbers.rows(given, 3, "points", "f" if is_single else "d")
@@ -40,7 +40,7 @@ class Voxels(Owned):
         return read(VoxelScan, {"far": scan.far_off, **row_of(scan)})
 
     def decay(self, *, time_ns: int = 0) -> int:
-        """Lets what no scan has met for long become unknown; insert() does so too. Returns the number of changed
+        """Makes cells unknown that no scan has met for the time of decay, as insert() does too. Returns the number of changed
         blocks."""
         _ = self._publisher._handle
         changed = ctypes.c_size_t()

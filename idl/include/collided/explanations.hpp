@@ -11,22 +11,21 @@
 #include <collided/pair.hpp>
 #include <collided/questions.hpp>
 
-/// Why an answer is what it is, and not another one: of a ray, of two objects, of a fence, of an event. Metres, world
-/// coordinates; times are world times since 1970. The server fills these structs; as JSON they have the names that
-/// idl/answers/explanation.hpp lists.
+/// Explanations of an answer: why a ray, a pair of objects, a standing question or an event has it and not another one.
+/// Metres, world coordinates; times are world times since 1970. idl/answers/explanation.hpp lists their names in JSON.
 #pragma GCC visibility push(default)
 
 namespace collided {
 
-/// How an explanation is asked for.
+/// Options of an explanation.
 struct ExplainOptions {
-  std::uint32_t mask = 0xffffffff;  // rays: as of AskOptions, and so are the next two
+  std::uint32_t mask = 0xffffffff;  // of rays, as in AskOptions; so are only and skip
   std::string only = {};
   std::string skip = {};
-  Instant as_of = {};                    // rays and pairs: of all objects; latest: each at its newest pose
-  std::string why_not = {};              // rays, fences, the nearest: an object that is reported in any case
-  std::uint32_t most = 3;                // the same: misses, objects outside or farther away that are reported
-  std::chrono::nanoseconds last{0};      // pairs: how far back their paths are looked at; 0: all of memory
+  Instant as_of = {};        // of rays and pairs; latest: each object at its newest pose
+  std::string why_not = {};  // of rays and standing questions: an object that is reported in any case
+  std::uint32_t most = 3;    // of rays and standing questions: misses, or objects outside or farther away, to report
+  std::chrono::nanoseconds last{0};      // of pairs: how far back their paths are searched; 0: all of memory
   std::chrono::nanoseconds deadline{0};  // on the server, which then returns what it has; 0: none but the timeout
   std::chrono::nanoseconds timeout{10'000'000'000};  // for the answer
 };
@@ -56,13 +55,13 @@ struct ExplainedMeeting {
 /// miss: the ray passes it. beside: along the ray; start: nearest to its origin, beside it or behind; end: its length ends there
 enum class WhereMissed { beside, start, end };
 
-/// An object that the ray does not meet, or of which that is open.
+/// An object that the ray misses, or for which that is undecided.
 struct ExplainedMiss {
   std::string object = {};
-  Verdict verdict = Verdict::miss;  // or undecided
-  double distance_m = 0;            // the least of any two points of ray and object; |truth - distance_m| <= error_m
+  Verdict verdict = Verdict::miss;  // miss or undecided
+  double distance_m = 0;            // between ray and object; |truth - distance_m| <= error_m
   double error_m = 0;
-  double along_m = 0;  // where on the ray that is, about
+  double along_m = 0;  // about how far along the ray the nearest point is
   Vec3 on_ray = Vec3::Zero();
   Vec3 on_object = Vec3::Zero();
   double point_error_m = 0;  // of both points
@@ -76,7 +75,7 @@ struct ExplainedMiss {
 struct ExplainedStale {
   std::string object = {};
   std::chrono::nanoseconds age{0};  // of its last pose
-  double from_m = 0;                // where along the ray that may be, at the earliest
+  double from_m = 0;                // the first place along the ray where it may be
 };
 
 /// Why a ray meets what it meets.
@@ -87,16 +86,16 @@ struct ExplainedRay {
   std::uint64_t nodes = 0;                      // boxes of the indexes that were opened
   std::uint64_t exact_tests = 0;                // of parts
   std::uint64_t objects = 0;                    // in the world
-  std::uint64_t boxes_met = 0;                  // of objects that may answer: the candidates
+  std::uint64_t boxes_met = 0;                  // candidates: objects that may answer and whose boxes the ray meets
   std::uint64_t left_out_count = 0;             // objects that the filter leaves out
   std::vector<ExplainedMeeting> met = {};       // each object once, in order along the ray; the first is the answer
-  std::vector<ExplainedMeeting> left_out = {};  // would have come before the answer but for the filter
+  std::vector<ExplainedMeeting> left_out = {};  // filtered objects that the ray meets before the answer
   std::vector<ExplainedMiss> misses = {};       // nearest first, then the one asked for
   std::vector<ExplainedStale> stale = {};
   std::vector<std::string> unknown = {};    // unknown space whose box the ray meets
   std::optional<Uncovered> uncovered = {};  // where the ray leaves the space in which the geometry is complete
-  bool cut = false;                         // there are more hits than are looked at: `met` lacks some
-  bool late = false;                        // the deadline was over: misses may lack nearer ones
+  bool cut = false;                         // there are more hits than the limit: `met` lacks some
+  bool late = false;                        // the deadline passed: misses may lack nearer ones
   std::chrono::nanoseconds world_time{0};
   std::uint64_t version = 0;
 };
@@ -105,16 +104,16 @@ struct ExplainedRay {
 
 using codes::ApproachEnd;
 
-/// How near two objects came on their ways, not only at the poses that were sent.
+/// How near two objects came, between the poses that were sent as well.
 struct ExplainedApproach {
   ApproachEnd end = ApproachEnd::found;
-  std::chrono::nanoseconds from{0};  // the stretch that was looked at
-  std::chrono::nanoseconds to{0};
+  std::chrono::nanoseconds from{0};  // begin of the interval that was searched
+  std::chrono::nanoseconds to{0};    // and its end
   std::chrono::nanoseconds time{0};  // when they were nearest
-  double distance_m = 0;             // then; |truth - distance_m| <= error_m. Infinite: nothing was looked at in time
+  double distance_m = 0;             // then; |truth - distance_m| <= error_m. Infinite: nothing was evaluated in time
   double error_m = 0;
-  double at_least_m = 0;    // at no time of the stretch were they nearer
-  std::uint64_t looks = 0;  // distances that it took
+  double at_least_m = 0;    // a lower bound on their distance over the whole interval
+  std::uint64_t looks = 0;  // distances that were evaluated
 };
 
 /// How two objects stand to each other, and why contacts of them are not reported.
@@ -132,23 +131,23 @@ struct ExplainedPair {
 /// How an object stands to a region, or to what a question for the nearest is about.
 struct ExplainedObject {
   std::string object = {};
-  /// Where both are now: hit: it is in, or touches; miss: they are apart. It may differ from `reported`, which is as far as
-  /// all publishers have said where their objects are.
+  /// At the current poses. hit: it is in, or touches; miss: they are apart. It may differ from `reported`, which waits for
+  /// the poses of all publishers.
   Verdict verdict = Verdict::miss;
-  /// Apart: the distance; in a region: minus the depth. |truth - clearance_m| <= error_m. Infinite: not looked at.
+  /// Apart: the distance; in a region: minus the depth. |truth - clearance_m| <= error_m. Infinite: not evaluated.
   double clearance_m = 0;
   double error_m = 0;
-  std::optional<Vec3> on_other = {};   // the nearest points of two that are apart: of the region or the other object,
-  std::optional<Vec3> on_object = {};  // and of this one
+  std::optional<Vec3> on_other = {};   // nearest point of the region or the other object, if they are apart
+  std::optional<Vec3> on_object = {};  // nearest point of this object, if they are apart
   bool stale = false;                  // its publisher is lost, and it may be elsewhere
   bool reported = false;               // an event has reported that it is in, or the nearest
-  std::optional<std::chrono::nanoseconds> since = {};  // of reported: since when
-  std::uint64_t episode = 0;                           // of reported: the sequence of that event
-  std::string doubt = {};                              // of reported: why it was, although that is not known
-  std::string why_left_out = {};                       // empty: the question looks at it
+  std::optional<std::chrono::nanoseconds> since = {};  // if reported: since when
+  std::uint64_t episode = 0;                           // if reported: the sequence of that event
+  std::string doubt = {};                              // if reported without certainty: why
+  std::string why_left_out = {};                       // empty: the question monitors it
 };
 
-/// An event of the question that is remembered.
+/// An event of the question that the server remembers.
 struct ExplainedNews {
   std::uint64_t sequence = 0;
   std::string what = {};  // enter, exit; nearest, no longer nearest
@@ -161,15 +160,15 @@ struct ExplainedNews {
 
 /// A region or a question for the nearest. Of the nearest, clearances are distances to what the question is about.
 struct ExplainedStanding : DefinedStanding {
-  bool placed = true;                          // false: the object `to` is not there, so the question looks at nothing
-  std::uint64_t looked_at = 0;                 // objects
-  std::vector<ExplainedObject> holds = {};     // what was reported: in the region, the deepest first; or the nearest
-  std::vector<ExplainedObject> others = {};    // the nearest others that it looks at, also beyond within_m
-  std::vector<ExplainedObject> left_out = {};  // in the region or nearer than the nearest, and not looked at
+  bool placed = true;                          // false: the object `to` is missing, so the question monitors nothing
+  std::uint64_t looked_at = 0;                 // objects that it monitors
+  std::vector<ExplainedObject> holds = {};     // as reported: the objects in the region, deepest first; or the nearest
+  std::vector<ExplainedObject> others = {};    // the nearest others that it monitors, also beyond within_m
+  std::vector<ExplainedObject> left_out = {};  // in the region or nearer than the nearest, but not monitored
   std::optional<ExplainedObject> asked_for = {};
-  std::vector<ExplainedNews> events = {};  // the last that are remembered
+  std::vector<ExplainedNews> events = {};  // the newest ones that the server remembers
   std::uint64_t cut_short = 0;             // as in ListedStanding
-  bool late = false;                       // the deadline was over: some were not looked at
+  bool late = false;                       // the deadline passed: some objects were not evaluated
   std::chrono::nanoseconds world_time{0};
   std::uint64_t version = 0;
 };
@@ -182,11 +181,11 @@ enum class EventsOf { contacts, standing };
 /// One of the two of an event, at the time by which it had happened.
 struct ExplainedBody {
   std::string object = {};
-  bool remembered = false;  // false: where it was then is not known any more, and nothing below
+  bool remembered = false;  // false: its place at that time is forgotten, and the members below are not set
   bool moving = false;
   std::string publisher = {};  // empty: the server's own, or without a name
   Pose pose = {};
-  /// The two poses between which the change lies; none: it was at rest, or that is not remembered.
+  /// Times of the two poses around the change; none: it was at rest, or the poses are forgotten.
   std::optional<std::chrono::nanoseconds> motion_from = {};
   std::optional<std::chrono::nanoseconds> motion_to = {};
 };
@@ -218,11 +217,11 @@ struct ExplainedEvent {
   Vec3 normal = Vec3::Zero();
   std::uint64_t episode = 0;
   std::chrono::nanoseconds began{0};
-  std::chrono::nanoseconds low{0};  // the change happened between these two
+  std::chrono::nanoseconds low{0};  // the change happened between low and high
   std::chrono::nanoseconds high{0};
-  std::vector<std::string> why_wide = {};   // why these two are so far apart, a sentence each
+  std::vector<std::string> why_wide = {};   // why low and high are far apart, a sentence each
   std::vector<ExplainedBody> bodies = {};   // a and b
-  std::optional<ExplainedGap> before = {};  // at `low`; of contacts whose places then are remembered
+  std::optional<ExplainedGap> before = {};  // at `low`, for contacts whose poses are remembered
   std::optional<ExplainedGap> after = {};   // at `high`
   std::chrono::nanoseconds world_time{0};   // of the step that found it
   std::uint64_t version = 0;
