@@ -249,9 +249,9 @@ TEST_F(ServerKeeping, AnAttachmentToAPublishersObjectHoldsAgainOnceThatIsThere) 
   EXPECT_TRUE(test::eventually(
       [&] {
         move(publisher, truck, at(60, ++way, 9));
-        return publisher.wait_applied(5s) && y() == way;
+        return publisher.wait_applied(20s) && y() == way;
       },
-      10s));
+      60s));
 }
 
 TEST_F(ServerKeeping, AnAttachmentThatWaitsForItsParentIsGivenUpByDetach) {
