@@ -14,7 +14,7 @@
 namespace collided::testing_support {
 
 /// A publisher whose rough meshes are far apart until one flush puts all into one place: the step that follows decides
-/// every pair of them, which takes a thread about two seconds.
+/// every pair of them, which takes a thread some seconds, more than one on a fast machine.
 class LongStep {
  public:
   explicit LongStep(Client& client) : client_(client) {
@@ -40,7 +40,7 @@ class LongStep {
   Publisher& publisher() { return *publisher_; }
 
  private:
-  static constexpr int kObjects = 200;
+  static constexpr int kObjects = 300;
 
   double uniform() { return std::uniform_real_distribution<double>(-1, 1)(random_); }
   MeshShape rough_mesh() {

@@ -109,13 +109,14 @@ TEST_F(Viewing, APageIsToldThatTheServerIsBusyAndNeverThatItIsSilent) {
   testing_support::LongStep crowd(*client);
   const LoudClient page = open("/live");
   page.read_until("\"type\":\"status\"", kPatience);
-  crowd.begin();
   const std::regex lasting(R"("step_lasting":(0\.[5-9]|[1-9]))");
   std::string told;
   const auto until = std::chrono::steady_clock::now() + kPatience;
-  while (!std::regex_search(told, lasting) && std::chrono::steady_clock::now() < until)
+  while (!std::regex_search(told, lasting) && std::chrono::steady_clock::now() < until) {
+    crowd.begin();  // a page hears a status once a second, and a fast machine may be done by then
     told += page.read_until("\"type\":\"status\"", 2s) + page.read_until("}", 1s);
-  EXPECT_TRUE(std::regex_search(told, lasting)) << "no status told of a step that lasts";
+  }
+  EXPECT_TRUE(std::regex_search(told, lasting)) << "no status reports a step that lasts";
   EXPECT_EQ(told.find("\"type\":\"silent\""), std::string::npos);
 }
 
