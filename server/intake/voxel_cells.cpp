@@ -6,6 +6,8 @@
 #include <bit>
 #include <cmath>
 
+#include "idl/voxel_blocks.hpp"
+
 namespace collided::engine {
 namespace {
 
@@ -24,13 +26,7 @@ bool has_24_bits(double value) {
   return bits == std::trunc(bits);
 }
 
-/// A block of cells: its lowest, and how many along each axis.
-struct CellBlock {
-  std::array<std::uint32_t, 3> low;
-  std::array<std::uint32_t, 3> size;
-};
-
-Box box_of(const VoxelCells& cells, const CellBlock& block) {
+Box box_of(const VoxelCells& cells, const wire_contract::CellBlock& block) {
   Box box;
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double twice_middle = 2 * (static_cast<double>(cells.low[axis]) + block.low[axis]) + block.size[axis];
@@ -39,65 +35,6 @@ Box box_of(const VoxelCells& cells, const CellBlock& block) {
   }
   return box;
 }
-
-/// Grows blocks of cells that no other block has: along x, then y, then z.
-class BlockGrowth {
- public:
-  explicit BlockGrowth(const VoxelCells& cells)
-      : size_(cells.size), left_(cells.occupied.begin(), cells.occupied.end()) {}
-
-  template <class Take>
-  void run(Take&& take) {
-    // What grows from a cell takes only cells that come later.
-    for (std::size_t byte = 0; byte < left_.size(); ++byte) {
-      while (left_[byte] != 0) {
-        const auto at = static_cast<std::uint32_t>(8 * byte + static_cast<std::size_t>(std::countr_zero(left_[byte])));
-        take(grown_from({at % size_[0], at / size_[0] % size_[1], at / size_[0] / size_[1]}));
-      }
-    }
-  }
-
- private:
-  std::size_t bit(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
-    return x + std::size_t{size_[0]} * (y + std::size_t{size_[1]} * z);
-  }
-  bool is_left(std::uint32_t x, std::uint32_t y, std::uint32_t z) const {
-    const std::size_t at = bit(x, y, z);
-    return (left_[at / 8] >> (at % 8) & 1) != 0;
-  }
-  template <class Visit>
-  static bool all_of(const CellBlock& block, Visit&& visit) {
-    for (std::uint32_t z = 0; z < block.size[2]; ++z) {
-      for (std::uint32_t y = 0; y < block.size[1]; ++y) {
-        for (std::uint32_t x = 0; x < block.size[0]; ++x) {
-          if (!visit(block.low[0] + x, block.low[1] + y, block.low[2] + z)) return false;
-        }
-      }
-    }
-    return true;
-  }
-  CellBlock grown_from(const std::array<std::uint32_t, 3>& low) {
-    CellBlock block{low, {1, 1, 1}};
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-      while (low[axis] + block.size[axis] < size_[axis]) {
-        CellBlock next = block;
-        next.low[axis] += block.size[axis];
-        next.size[axis] = 1;
-        if (!all_of(next, [&](auto x, auto y, auto z) { return is_left(x, y, z); })) break;
-        ++block.size[axis];
-      }
-    }
-    all_of(block, [&](auto x, auto y, auto z) {
-      const std::size_t at = bit(x, y, z);
-      left_[at / 8] = static_cast<std::uint8_t>(left_[at / 8] & ~(1U << (at % 8)));
-      return true;
-    });
-    return block;
-  }
-
-  std::array<std::uint32_t, 3> size_;
-  std::vector<std::uint8_t> left_;
-};
 
 }  // namespace
 
@@ -130,7 +67,9 @@ std::uint64_t occupied_count(const VoxelCells& cells) {
 }
 
 void add_boxes_of(const VoxelCells& cells, std::vector<Primitive>& boxes) {
-  BlockGrowth(cells).run([&](const CellBlock& block) { boxes.emplace_back(box_of(cells, block)); });
+  wire_contract::BlockGrowth(cells.size, cells.occupied).run([&](const wire_contract::CellBlock& block) {
+    boxes.emplace_back(box_of(cells, block));
+  });
 }
 
 }  // namespace collided::engine

@@ -9,7 +9,7 @@ cd "${1:?repository root}"
 # A file obeys its room and, where the room has rooms of its own, that one too. "room/." is what lies in the room itself.
 declare -A may=(
   [server/geometry]="server/geometry"
-  [server/intake]="server/intake server/geometry idl/scene_tables.hpp idl/tiles_generated.h idl/unit_quaternion.hpp idl/question_rules.hpp idl/base64.hpp"
+  [server/intake]="server/intake server/geometry idl/scene_tables.hpp idl/tiles_generated.h idl/unit_quaternion.hpp idl/question_rules.hpp idl/base64.hpp idl/voxel_blocks.hpp"
   [server/broad_phase]="server/broad_phase server/geometry"
   [server/exact_phase]="server/exact_phase server/geometry"
   [server/world]="server/world server/exact_phase server/broad_phase server/intake server/geometry collided/codes.hpp idl/glob.hpp idl/clocks.hpp idl/question_rules.hpp idl/answers/measured.hpp"
@@ -100,7 +100,7 @@ door() { # PATTERN ALLOWED_REGEX NAME
 }
 door '#include [<"]fcl/' '^server/programs/opinion/' FCL
 door '#include [<"]dds/' '^idl/dds' 'Cyclone DDS'
-door '#include [<"](flatbuffers/|idl/(scene_tables|(scene|geometry|tiles)_generated))' '^(idl/scene_tables\.hpp|server/intake/scene_file/scene_(file\.cpp|(en|de)coder\.hpp)|server/intake/tiles/tile_format\.cpp|server/service/commands/geometry_encoding\.cpp|client/library/(publishing/shape_encoding|commands/geometry_decoding)\.cpp)$' FlatBuffers
+door '#include [<"](flatbuffers/|idl/(scene_tables|(scene|geometry|tiles)_generated))' '^(idl/scene_tables\.hpp|server/intake/scene_file/scene_(file\.cpp|(en|de)coder\.hpp)|server/intake/tiles/tile_format\.cpp|server/service/commands/geometry_encoding\.cpp|client/library/(publishing/shape_encoding|commands/geometry_decoding|recordings/recorded_shape)\.cpp)$' FlatBuffers
 door '#include <boost/(asio|beast)' '^client/view/web_server\.cpp$' 'Boost.Beast'
 door '#include <openssl/' '^(idl/keys/(key_module\.cpp|openssl_owners\.)|client/keys/certificates\.cpp)' OpenSSL
 door '#include <curl/' '^idl/http/http_module\.cpp$' libcurl
