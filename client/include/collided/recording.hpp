@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <variant>
 #include <vector>
 
 #include <collided/client.hpp>
@@ -136,6 +137,46 @@ struct RecordedStandingEvents {
 /// StandingWatchOptions. Error bad_input where the file cannot be read.
 Result<RecordedStandingEvents> recorded_standing_events(const std::string& path,
                                                         const RecordedEventsOptions& options = {});
+
+// ---- the picture of a recording ------------------------------------------------------------------------------------
+
+/// A message of an OwnChannel.
+struct OwnMessage {
+  std::string schema_name;
+  std::string data;
+};
+
+/// A change of what a recording shows.
+struct PictureChange {
+  std::chrono::nanoseconds at{0};  // since the recording's begin
+  /// All objects, where everything that moves is, events, a status, or a message of a channel of the recorder's own.
+  std::variant<std::shared_ptr<const ShownObjects>, Poses, std::vector<Event>, ServerStatus, OwnMessage> what;
+};
+
+/// The choice of what a recording shows, and how finely.
+struct PictureOptions {
+  /// Objects that stand still and are in no recording, such as the parts of scenes. Recorded commands may remove them.
+  std::shared_ptr<const ShownObjects> surroundings = {};
+  std::chrono::nanoseconds frame{33'000'000};       // from poses to poses, at least
+  std::chrono::nanoseconds table{100'000'000};      // from one table of all objects to the next, at least
+  std::size_t most_poses = std::size_t{8'000'000};  // of all frames together; with more, frames are farther apart
+  std::function<bool()> go_on = {};                 // called many times a second; false ends the reading
+};
+
+/// A recording whose picture was read.
+struct RecordedPicture {
+  std::chrono::nanoseconds length{0};
+  std::vector<std::string> warnings;  // damage of the file, messages that could not be read
+};
+
+/// Reads what a recording shows, as a viewer of its server would have seen it: objects with their shapes, poses, contacts
+/// that held at the begin as `open`, events, statuses; no server is needed. Objects have numbers of their own, equal for
+/// equal names, also in events. Commands count from their answers on; refused ones do nothing. Error bad_input where the
+/// file cannot be read.
+///
+/// take  called with each change in the order of time, on the calling thread
+Result<RecordedPicture> recorded_picture(const std::string& path, const PictureOptions& options,
+                                         const std::function<void(const PictureChange&)>& take);
 
 // ---- replay --------------------------------------------------------------------------------------------------------
 

@@ -59,6 +59,12 @@ class ObjectsDecoder {
   ///              otherwise make the decoder allocate any amount.
   explicit ObjectsDecoder(std::size_t byte_budget) : budget_(byte_budget) {}
 
+  Shape primitives(const format::Shape& from) {
+    Shape parts;
+    add_parts(from, parts);
+    return parts;
+  }
+
   ShownObject object(const format::ShownObject& from, std::vector<NumberedRun>& runs) {
     spend(64);  // less than an object takes
     ShownObject object;
@@ -155,9 +161,9 @@ std::vector<SurfaceEdge> edges_of(const format::Surface& from, std::size_t verte
   return edges;
 }
 
-Surface surface_of(const format::Surface& from, const std::uint8_t*) {
-  const auto& numbers = *from.mesh()->vertices();
-  const auto& corners = *from.mesh()->corners();
+Surface surface_of_mesh(const format::Mesh& from) {
+  const auto& numbers = *from.vertices();
+  const auto& corners = *from.corners();
   if (numbers.size() % 3 != 0 || corners.size() % 3 != 0) throw Flaw{"numbers are not by threes"};
   Surface surface;
   surface.vertices = format::copied<Vec3>(&numbers);
@@ -169,6 +175,11 @@ Surface surface_of(const format::Surface& from, const std::uint8_t*) {
     if (*std::max_element(triangle.begin(), triangle.end()) >= surface.vertices.size())
       throw Flaw{"a triangle names a vertex that is not there"};
   }
+  return surface;
+}
+
+Surface surface_of(const format::Surface& from, const std::uint8_t*) {
+  Surface surface = surface_of_mesh(*from.mesh());
   surface.edges = edges_of(from, surface.vertices.size(), surface.triangles.size());
   return surface;
 }
@@ -234,6 +245,18 @@ std::optional<DecodedObjects> decode_objects(std::string_view text, std::string&
     }
     return objects;
   });
+}
+
+std::optional<Shape> decode_primitives(const format::Shape& from, std::size_t byte_budget) {
+  try {
+    return ObjectsDecoder(byte_budget).primitives(from);
+  } catch (const Flaw&) { return std::nullopt; }
+}
+
+std::optional<Surface> decode_mesh(const format::Mesh& from) {
+  try {
+    return surface_of_mesh(from);
+  } catch (const Flaw&) { return std::nullopt; }
 }
 
 std::optional<Surface> decode_surface(std::string_view text, std::string& flaw) {

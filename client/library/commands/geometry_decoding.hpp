@@ -8,6 +8,11 @@
 
 #include "collided/client.hpp"
 
+namespace collided::format {
+struct Mesh;
+struct Shape;
+}  // namespace collided::format
+
 namespace collided::client {
 
 // Decoding of the answers to the commands of viewers, from untrusted bytes: the structure is verified, then every
@@ -39,5 +44,12 @@ std::optional<DecodedObjects> decode_objects(std::string_view text, std::string&
 
 std::optional<Surface> decode_surface(std::string_view text, std::string& flaw);
 std::optional<Poses> decode_poses(std::string_view text, std::string& flaw);
+
+/// The primitives of a verified shape, not scaled; nothing where a number does not hold. Its other parts are left out.
+///
+/// byte_budget  bounds the memory, since tables of a damaged buffer may share numbers
+std::optional<Shape> decode_primitives(const format::Shape& from, std::size_t byte_budget);
+/// A verified mesh; nothing where a number or a corner does not hold.
+std::optional<Surface> decode_mesh(const format::Mesh& from);
 
 }  // namespace collided::client

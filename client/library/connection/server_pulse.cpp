@@ -35,6 +35,8 @@ std::vector<PublisherInfo> decode_publishers(const wire::Status& status) {
   return publishers;
 }
 
+}  // namespace
+
 ServerStatus decode_status(const wire::Status& status) {
   ServerStatus decoded;
   decoded.name_space = status.namespace_name;
@@ -60,8 +62,6 @@ ServerStatus decode_status(const wire::Status& status) {
   decoded.step_lasting = nanoseconds(wire::busy_ns(status));
   return decoded;
 }
-
-}  // namespace
 
 std::string state_name(std::uint8_t state) {
   const std::string_view name = name_of(static_cast<codes::ServerState>(state));

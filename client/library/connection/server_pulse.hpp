@@ -19,6 +19,9 @@ using Clock = std::chrono::steady_clock;
 /// The word for a ServerState of the wire.
 std::string state_name(std::uint8_t state);
 
+/// A status as users see it, with an age of 0.
+ServerStatus decode_status(const wire::Status& status);
+
 /// Which server a connection talks to, its newest status, and how long it has been silent.
 ///
 /// threads  any; hear() is for the status reader's callback, and before that counts for whoever greets

@@ -208,7 +208,8 @@ const ServerLife& life_of(const TimedMessage<News>& message) {
 }  // namespace
 
 template <class News>
-MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchStateOf<News>& watch) {
+MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchStateOf<News>& watch,
+                             const std::function<void(nanoseconds)>& time_is) {
   const TimedMessages<News> messages = messages_of<News>(recorded, names);
   MissingEvents missing;
   if (messages.empty()) return missing;
@@ -223,13 +224,16 @@ MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchS
   opening.tell(watch, Clock::time_point(nanoseconds(messages.front().log_time)));
   for (const TimedMessage<News>& message : messages) {
     const Clock::time_point now{nanoseconds(message.log_time)};
+    if (time_is) time_is(nanoseconds(message.log_time));
     std::visit([&](const auto& heard) { watch.hear(heard, now); }, message.heard);
   }
   missing.is_begin_doubtful = missing.lost == 0 && lives.size() == 1 && (watch.resyncs() > 0 || !watch.in_step());
   return missing;
 }
-template MissingEvents hear_recording(const RecordedItems&, Names&, WatchStateOf<Event>&);
-template MissingEvents hear_recording(const RecordedItems&, Names&, WatchStateOf<StandingNews>&);
+template MissingEvents hear_recording(const RecordedItems&, Names&, WatchStateOf<Event>&,
+                                      const std::function<void(nanoseconds)>&);
+template MissingEvents hear_recording(const RecordedItems&, Names&, WatchStateOf<StandingNews>&,
+                                      const std::function<void(nanoseconds)>&);
 
 RecordedSpan span_of(const RecordedItems& recorded) {
   const auto first = std::find_if(recorded.items.begin(), recorded.items.end(),

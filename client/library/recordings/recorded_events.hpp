@@ -2,6 +2,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
 #include "client/library/connection/names.hpp"
@@ -21,8 +22,11 @@ struct MissingEvents {
 /// Passes a recording to a new `watch`: what held at its begin as `open`, then its events one by one. What held is
 /// found from everything that the recording says of it: the shards before and after its begin, and events that end
 /// contacts which did not begin in it. `News` are an Event or StandingNews.
+///
+/// time_is  called with the time of each message, since 1970 by the recorder's clock, before `watch` hears it
 template <class News>
-MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchStateOf<News>& watch);
+MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchStateOf<News>& watch,
+                             const std::function<void(std::chrono::nanoseconds)>& time_is = {});
 
 /// The times of the first and the last sample received while recording, since 1970 by the recorder's clock.
 struct RecordedSpan {

@@ -27,16 +27,21 @@ bool is_of_first_wire(const mcap::Contents& contents) {
                      [](const auto& schema) { return schema.second.name.starts_with("collided::wire::"); });
 }
 
-void sort_into(std::vector<RecordedItem>& items, const mcap::Contents& contents) {
+void sort_into(RecordedItems& recorded, const mcap::Contents& contents) {
   std::uint64_t left = opening_messages(contents).value_or(0);
   for (const mcap::Message& message : contents.messages) {
-    const auto topic = recording::recorded_topic(contents.channels.at(message.head.channel), contents);
-    if (topic) items.push_back({*topic, message.head.log_time, message.data, left > 0});
+    const mcap::Channel& channel = contents.channels.at(message.head.channel);
+    const auto topic = recording::recorded_topic(channel, contents);
+    const auto schema = contents.schemas.find(channel.schema);
+    if (topic) recorded.items.push_back({*topic, message.head.log_time, message.data, left > 0});
+    else if (schema != contents.schemas.end())
+      recorded.own.push_back({schema->second.name, message.head.log_time, message.data});
     left -= left > 0 ? 1 : 0;
   }
-  std::stable_sort(items.begin(), items.end(), [](const RecordedItem& a, const RecordedItem& b) {
+  std::ranges::stable_sort(recorded.items, [](const RecordedItem& a, const RecordedItem& b) {
     return a.opening != b.opening ? a.opening : a.log_time < b.log_time;
   });
+  std::ranges::stable_sort(recorded.own, {}, &RecordedOwnMessage::log_time);
 }
 
 }  // namespace
@@ -56,7 +61,7 @@ RecordedItems read_items(std::vector<std::byte> bytes, const std::string& name, 
   say(contents.compressed_chunks, " chunks are compressed, which is not read here; left out");
   say(contents.lost_messages, " messages are of no known channel; left out");
   recorded.has_opening = opening_messages(contents).has_value();
-  sort_into(recorded.items, contents);
+  sort_into(recorded, contents);
   if (recorded.items.empty() && is_of_first_wire(contents)) {
     throw std::runtime_error(name + ": was recorded by an earlier version, whose messages were laid out differently. " +
                              consequence);

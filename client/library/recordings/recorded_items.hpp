@@ -20,10 +20,18 @@ struct RecordedItem {
   bool opening = false;  // part of the state before the recording
 };
 
+/// A message of a channel that is not a topic of the namespace (OwnChannel). Its data points into the recording's bytes.
+struct RecordedOwnMessage {
+  std::string schema_name;
+  std::uint64_t log_time = 0;
+  std::span<const std::byte> data;
+};
+
 /// A recording's samples. It owns the bytes that its items point into.
 struct RecordedItems {
   std::vector<std::byte> bytes;
-  std::vector<RecordedItem> items;  // those of the opening first, then by time
+  std::vector<RecordedItem> items;      // those of the opening first, then by time
+  std::vector<RecordedOwnMessage> own;  // by time
   std::vector<std::string> warnings;
   bool has_opening = false;
 };

@@ -50,6 +50,7 @@ class Sorting {
     std::uint32_t reply_chunks = 0;
     std::map<std::uint32_t, std::string> text;  // of a command's reply, by chunk
     bool changes = false;                       // the world; else it asks
+    bool changes_files = false;                 // it loads or clears scenes, which is not replayed
     bool refused = false;
     bool opening = false;
   };
@@ -120,7 +121,10 @@ class Sorting {
     if (changes_files) ++run_.changing_files;
     const bool is_asked_again = (what == names::kPair || what == names::kClearance) && !run_.items[index].opening &&
                                 word_of(parsed(query_->text), "as_of").empty();
-    if (command && !is_asked_again && !is_change) return;
+    if (command && !is_asked_again && !is_change && !changes_files) return;
+    const bool needs_no_reply = query_->client == 0 || run_.items[index].opening;
+    if ((is_change || changes_files) && needs_no_reply) run_.carried_out[index] = {index, {}};
+    if (changes_files && needs_no_reply) return;
     // What the server carried out by itself after a restart has no reply.
     if (query_->client == 0 && !run_.items[index].opening) return note_command(index, following_newest());
     Request& request = requests_[{query_->client, query_->request}];
@@ -128,6 +132,7 @@ class Sorting {
     request.chunk_count = query_->chunk_count;
     request.kind = query_->kind;
     request.changes = is_change;
+    request.changes_files = changes_files;
     request.opening = run_.items[index].opening;
     if (request.opening) settle_opening(request);
   }
@@ -164,13 +169,18 @@ class Sorting {
   /// The reply refuses a command that was under way when the recording began.
   void forget_opening_command() {
     const auto found = opening_commands_.find({reply_->client, reply_->request});
-    if (found != opening_commands_.end()) std::erase(run_.commands[{0, 0}], found->second);
+    if (found == opening_commands_.end()) return;
+    std::erase(run_.commands[{0, 0}], found->second);
+    run_.carried_out.erase(found->second);
   }
 
-  static std::uint64_t reported_version(const Request& request) {
+  static std::string text_of(const Request& request) {
     std::string text;
     for (const auto& [chunk, part] : request.text) text += part;
-    const nlohmann::json answer = parsed(text);
+    return text;
+  }
+  static std::uint64_t reported_version(const Request& request) {
+    const nlohmann::json answer = parsed(text_of(request));
     const auto version = answer.is_object() ? answer.find("version") : answer.end();
     const bool told = answer.is_object() && version != answer.end() && version->is_number_unsigned();
     return told ? version->get<std::uint64_t>() : request.state->second;
@@ -183,9 +193,12 @@ class Sorting {
                          request.answered.size() == (command ? request.reply_chunks : request.chunk_count);
       if (request.refused) continue;
       if (!whole) {
-        ++run_.unanswered;
+        run_.unanswered += request.changes_files ? 0 : 1;
         continue;
       }
+      if (request.changes || request.changes_files)
+        run_.carried_out[request.replies.back()] = {request.questions.begin()->second, text_of(request)};
+      if (request.changes_files) continue;
       // The state that a command made or was about is in its answer; the reply's own version may be later.
       const StateNumber state{request.state->first, command ? reported_version(request) : request.state->second};
       if (request.changes) {
@@ -219,9 +232,9 @@ bool is_farewell(const wire::Reply& reply) {
 
 RecordedRun read_run(const std::string& path) { return read_run(read_recording(path), path); }
 
-RecordedRun read_run(std::vector<std::byte> bytes, const std::string& name) {
+RecordedRun read_run(std::vector<std::byte> bytes, const std::string& name, const char* consequence) {
   RecordedRun run;
-  static_cast<RecordedItems&>(run) = read_items(std::move(bytes), name, "Nothing was replayed");
+  static_cast<RecordedItems&>(run) = read_items(std::move(bytes), name, consequence);
   Sorting(run).sort();
   return run;
 }
