@@ -10,7 +10,8 @@
 
 namespace collided::view {
 
-Asker::Asker(Client& client, ServerMemory& memory) : client_(client), memory_(memory) {
+Asker::Asker(Client& client, ServerMemory& memory, const PageFeed& feed)
+    : client_(client), memory_(memory), feed_(feed) {
   for (std::size_t i = 0; i < kThreads; ++i) threads_.emplace_back([this] { work(); });
 }
 
@@ -20,6 +21,7 @@ Asker::~Asker() {
     is_stopping_ = true;
     waiting_.clear();
   }
+  memory_.stop();
   came_.notify_all();
   for (std::thread& thread : threads_) thread.join();
 }
@@ -52,6 +54,7 @@ namespace {
 struct AskServer {
   Client& client;
   ServerMemory& memory;
+  const PageFeed& feed;
   double id;
 
   std::string operator()(const RayQuestion& ray) const {
@@ -83,8 +86,9 @@ struct AskServer {
     return nearest_answer_text(id, object.name, client.clearance(object.name, options));
   }
   std::string operator()(const Remembered& wanted) const {
-    const std::chrono::duration<double> last(wanted.last_s);
-    return memory_answer_text(id, memory.fetch(client, std::chrono::duration_cast<std::chrono::nanoseconds>(last)));
+    const auto last =
+        std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::duration<double>(wanted.last_s));
+    return memory_answer_text(id, memory.fetch(client, last, feed.shown()));
   }
   std::string operator()(const SampledSince& sampled) const {
     const std::string arguments = "{\"since\":" + std::to_string(static_cast<std::uint64_t>(sampled.since)) + "}";
@@ -100,7 +104,7 @@ struct AskServer {
 }  // namespace
 
 std::string Asker::answer(const PageQuestion& question) {
-  return std::visit(AskServer{client_, memory_, question.id}, question.what);
+  return std::visit(AskServer{client_, memory_, feed_, question.id}, question.what);
 }
 
 }  // namespace collided::view

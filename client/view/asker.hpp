@@ -8,6 +8,7 @@
 #include <thread>
 #include <vector>
 
+#include "client/view/page_feed.hpp"
 #include "client/view/page_question.hpp"
 #include "client/view/server_memory.hpp"
 #include "collided/client.hpp"
@@ -15,13 +16,13 @@
 namespace collided::view {
 
 /// Asks the server the questions of pages. It has threads of its own, since answers may take long and the web server's
-/// thread must not wait. The destructor ends them. Both arguments must outlive it.
+/// thread must not wait. The destructor ends them. All arguments must outlive it.
 class Asker {
  public:
   /// Called with the answer as the page reads it, on one of the asker's threads.
   using Done = std::function<void(std::string text)>;
 
-  Asker(Client& client, ServerMemory& memory);
+  Asker(Client& client, ServerMemory& memory, const PageFeed& feed);
   ~Asker();
   Asker(const Asker&) = delete;
   Asker& operator=(const Asker&) = delete;
@@ -42,6 +43,7 @@ class Asker {
 
   Client& client_;
   ServerMemory& memory_;
+  const PageFeed& feed_;  // what stands still beside what the server remembers
   std::mutex mutex_;
   std::condition_variable came_;
   std::deque<Job> waiting_;

@@ -1,10 +1,9 @@
-# Writes the page into a C++ file: OUTPUT from the files of PAGE and the script CONTRACT. The scripts become one, in the order
+# Writes the page into a C++ file: OUTPUT from the files of PAGE. The scripts become one, in the order
 # in which they use each other, in a scope of their own.
 set(delimiter "collided_page")
-file(READ ${CONTRACT} contract)
-set(script "(() => {\n\"use strict\";\n${contract}\n")
-foreach(part math text camera shaders_seen shaders_round shaders_ink renderer solids levels world contacts standing labels picture source history timeline cdr
-    hull voxel_boxes flat_shape recording opening things coloring selected panels events matrix answers tools asking others controls main)
+set(script "(() => {\n\"use strict\";\n")
+foreach(part math text camera shaders_seen shaders_round shaders_ink renderer solids levels world contacts standing labels picture source history timeline
+    recordings things coloring selected panels events matrix answers tools asking others controls main)
   file(READ ${PAGE}/${part}.js text)
   string(APPEND script "${text}\n")
 endforeach()

@@ -35,7 +35,7 @@ std::string object_answer_text(double id, const Result<ObjectDetails>& object);
 /// "" is the publisher of those that a client added.
 std::string owners_answer_text(double id, const Result<ObjectList>& moving);
 
-/// {type "answer", id, ask "memory", path}: where the page finds what the server remembers, an MCAP file.
+/// {type "answer", id, ask "memory", path}: where the page finds what the server remembers, as a run (RunWriter).
 std::string memory_answer_text(double id, const Result<std::uint64_t>& number);
 
 /// {type "answer", id, ask "sampled", questions, since}: as the command `sampled` tells them (idl/commands.hpp).

@@ -1,33 +1,25 @@
 #include "client/view/recording.hpp"
 
-#include <map>
-#include <mutex>
+#include <algorithm>
+#include <span>
 #include <thread>
+#include <utility>
+#include <variant>
 #include <vector>
 
 #include <nlohmann/json.hpp>
-#include <zlib.h>
 
 #include "client/view/assets.hpp"
-#include "client/view/page_feed.hpp"
+#include "client/view/json_text.hpp"
 #include "client/view/page_messages.hpp"
-#include "idl/base64.hpp"
+#include "client/view/run_writer.hpp"
+#include "client/view/standing_recorder.hpp"
+#include "collided/recording.hpp"
 
 namespace collided::view {
 namespace {
 
-using nlohmann::json;
 using Clock = std::chrono::steady_clock;
-
-std::string packed(std::string_view bytes) {
-  uLongf size = ::compressBound(bytes.size());
-  std::string out(size, '\0');
-  const int failed = ::compress2(reinterpret_cast<Bytef*>(out.data()), &size,
-                                 reinterpret_cast<const Bytef*>(bytes.data()), bytes.size(), Z_BEST_SPEED);
-  if (failed != Z_OK) throw std::bad_alloc();
-  out.resize(size);
-  return out;
-}
 
 /// JSON in which nothing can end or begin an HTML element. Names may contain anything, and the text is put into a
 /// script element.
@@ -49,112 +41,93 @@ std::string_view asset(std::string_view path) {
   return {};
 }
 
-/// Records the messages that a live page would get, with their times.
-class Recorder {
- public:
-  explicit Recorder(std::size_t most_bytes)
-      : feed_([this](const WebMessage& message) { hear(message); }), most_bytes_(most_bytes) {}
+std::string page_of_run(std::string_view run) {
+  std::string page(asset("/"));
+  replace(page, R"(<link rel="stylesheet" href="view.css">)",
+          "<style>\n" + std::string(asset("/view.css")) + "</style>");
+  replace(page, R"(<script src="view.js"></script>)",
+          R"(<script type="application/json" id="run">)" + without_elements(run) + "</script>\n<script>\n" +
+              std::string(asset("/view.js")) + "</script>");
+  return page;
+}
 
-  Observer& observer() { return feed_; }
-  bool is_full() const {
-    const std::lock_guard lock(mutex_);
-    return bytes_ >= most_bytes_;
+/// Passes what a recording shows on to a writer, as a Follower does with what a server shows.
+class ShowToWriter {
+ public:
+  explicit ShowToWriter(RunWriter& writer) : writer_(writer) {}
+
+  void operator()(const std::shared_ptr<const ShownObjects>& shown) { writer_.observer().objects(shown); }
+  void operator()(const Poses& poses) { writer_.observer().poses(poses); }
+  void operator()(const ServerStatus& status) { writer_.observer().status(status, {}); }
+  /// Contacts that hold at the begin are a state, as for a page that has just connected, and not events.
+  void operator()(std::span<const Event> events) {
+    const auto is_open = [](const Event& event) { return event.kind == EventKind::open; };
+    const auto first = has_contacts_ ? events.begin() : std::ranges::find_if_not(events, is_open);
+    const std::span<const Event> held(events.begin(), first);
+    if (!has_contacts_) writer_.add(contacts_text(held, held.size()));
+    has_contacts_ = true;
+    if (first != events.end()) writer_.observer().events({first, events.end()});
   }
-  SavedRun finish(const RecordingOptions& options) &&;
+  void operator()(const OwnMessage& own) {
+    if (own.schema_name != kStandingSchemaName) return;
+    const nlohmann::json message = nlohmann::json::parse(own.data, nullptr, false);
+    if (message.is_object() && message.value("type", nlohmann::json()) == "standing") writer_.add(text_of(message));
+  }
 
  private:
-  struct SavedMessage {
-    double at_s = 0;
-    const char* kind = "text";
-    std::string data;
-  };
-
-  void hear(const WebMessage& message);
-  void keep(const char* kind, std::string data);
-  void keep_table(const ShownObjects& shown);
-
-  PageFeed feed_;
-  const std::size_t most_bytes_;
-  const Clock::time_point begin_ = Clock::now();
-  mutable std::mutex mutex_;
-  std::size_t bytes_ = 0;
-  std::vector<SavedMessage> messages_;
-  std::map<std::string, std::string> surfaces_;  // by epoch and number
+  RunWriter& writer_;
+  bool has_contacts_ = false;
 };
 
-void Recorder::hear(const WebMessage& message) {
-  if (!message.is_text) return keep("poses", packed(*message.bytes));
-  const json told = json::parse(*message.bytes, nullptr, false);
-  const bool is_table = told.is_object() && told.value("type", "") == "table";
-  if (!is_table) return keep("text", *message.bytes);
-  // A page would fetch the table now.
-  if (const auto shown = feed_.shown()) keep_table(*shown);
-}
-
-void Recorder::keep_table(const ShownObjects& shown) {
-  if (const auto table = feed_.page("/objects")) keep("objects", packed(*table->body));
-  for (const std::uint64_t number : feed_.surfaces()) {
-    const std::string key = std::to_string(shown.epoch) + " " + std::to_string(number);
-    {
-      const std::lock_guard lock(mutex_);
-      if (surfaces_.contains(key)) continue;
-    }
-    const auto surface = feed_.page("/surface?number=" + std::to_string(number));
-    if (!surface) continue;
-    std::string bytes = packed(*surface->body);
-    const std::lock_guard lock(mutex_);
-    bytes_ += bytes.size();
-    surfaces_.emplace(key, std::move(bytes));
-  }
-}
-
-void Recorder::keep(const char* kind, std::string data) {
-  const double at_s = std::chrono::duration<double>(Clock::now() - begin_).count();
-  const std::lock_guard lock(mutex_);
-  if (bytes_ >= most_bytes_) return;
-  bytes_ += data.size();
-  messages_.push_back({at_s, kind, std::move(data)});
-}
-
-SavedRun Recorder::finish(const RecordingOptions& options) && {
-  const std::lock_guard lock(mutex_);
-  SavedRun saved;
-  saved.is_full = bytes_ >= most_bytes_;
-  saved.seconds = std::chrono::duration<double>(Clock::now() - begin_).count();
-  json messages = json::array();
-  messages.push_back({{"t", 0}, {"kind", "text"}, {"data", hello_text(options.y_is_up, options.connection)}});
-  for (const SavedMessage& message : messages_) {
-    const bool is_text = std::string_view(message.kind) == "text";
-    saved.frames += std::string_view(message.kind) == "poses" ? 1 : 0;
-    messages.push_back(
-        {{"t", message.at_s}, {"kind", message.kind}, {"data", is_text ? message.data : encode_base64(message.data)}});
-  }
-  json surfaces = json::object();
-  for (const auto& [key, bytes] : surfaces_) surfaces[key] = encode_base64(bytes);
-  const json run{{"begin", 0}, {"end", saved.seconds}, {"messages", messages}, {"surfaces", surfaces}};
-  saved.page = asset("/");
-  replace(saved.page, R"(<link rel="stylesheet" href="view.css">)",
-          "<style>\n" + std::string(asset("/view.css")) + "</style>");
-  replace(saved.page, R"(<script src="view.js"></script>)",
-          R"(<script type="application/json" id="run">)" +
-              without_elements(run.dump(-1, ' ', false, json::error_handler_t::replace)) + "</script>\n<script>\n" +
-              std::string(asset("/view.js")) + "</script>");
-  return saved;
+/// A sentence about a file without the file's path, which the page does not know.
+std::string about_it(std::string_view sentence, const std::string& path) {
+  if (sentence.starts_with(path + ": ")) sentence.remove_prefix(path.size() + 2);
+  return std::string(sentence);
 }
 
 }  // namespace
 
 Result<SavedRun> record_run(Client& client, const RecordingOptions& options) {
-  Recorder recorder(options.most_bytes);
+  const Clock::time_point begin = Clock::now();
+  const auto now = [begin] { return std::chrono::duration<double>(Clock::now() - begin).count(); };
+  RunWriter writer(options.most_bytes, now);
+  writer.add(hello_text(options.y_is_up, options.connection));
   FollowOptions follow;
   follow.is_watched = [] { return true; };
-  Result<std::unique_ptr<Follower>> follower = Follower::start(client, recorder.observer(), follow);
+  Result<std::unique_ptr<Follower>> follower = Follower::start(client, writer.observer(), follow);
   if (!follower) return follower.error();
   const Clock::time_point end = Clock::now() + options.length;
   constexpr std::chrono::milliseconds kLook{50};
-  while (Clock::now() < end && !options.is_stopped() && !recorder.is_full()) std::this_thread::sleep_for(kLook);
+  while (Clock::now() < end && !options.is_stopped() && !writer.is_full()) std::this_thread::sleep_for(kLook);
   follower->reset();
-  return std::move(recorder).finish(options);
+  const double seconds = now();
+  return SavedRun{.page = page_of_run(writer.finish(seconds, {})),
+                  .seconds = seconds,
+                  .frames = writer.frame_count(),
+                  .is_full = writer.is_full()};
+}
+
+Result<std::string> run_of_recording(const std::string& path, std::shared_ptr<const ShownObjects> surroundings,
+                                     const std::function<bool()>& is_stopped) {
+  double now_s = 0;
+  RunWriter writer(kMostRunBytes, [&] { return now_s; });
+  const PictureOptions options{.surroundings = std::move(surroundings),
+                               .go_on = [&] { return !is_stopped() && !writer.is_full(); }};
+  ShowToWriter show(writer);
+  const Result<RecordedPicture> picture = recorded_picture(path, options, [&](const PictureChange& change) {
+    now_s = seconds(change.at);
+    std::visit(show, change.what);
+  });
+  if (!picture) {
+    Error error = picture.error();
+    error.message = about_it(error.message, path);
+    return error;
+  }
+  if (writer.frame_count() == 0) return Error{ErrorCode::bad_input, "nothing in it has a place", ""};
+  std::vector<std::string> notes;
+  for (const std::string& warning : picture->warnings) notes.push_back(about_it(warning, path));
+  if (writer.is_full()) notes.push_back("it is too long; what comes after " + std::to_string(now_s) + " s is left out");
+  return writer.finish(writer.is_full() ? now_s : seconds(picture->length), notes);
 }
 
 }  // namespace collided::view

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
 
 #include "collided/client.hpp"
@@ -28,5 +29,17 @@ struct SavedRun {
 
 /// Follows the server for the given time and makes a page of it.
 Result<SavedRun> record_run(Client& client, const RecordingOptions& options);
+
+/// A recording that was written earlier, in the form in which a saved page has its run (RunWriter). Error bad_input, with a
+/// sentence that leaves out the file's name, where nothing in it can be shown.
+///
+/// surroundings  as in PictureOptions
+/// is_stopped    called many times a second; true ends the reading
+/// memory        the file's bytes, and three times kMostRunBytes
+Result<std::string> run_of_recording(const std::string& path, std::shared_ptr<const ShownObjects> surroundings,
+                                     const std::function<bool()>& is_stopped);
+
+/// Bytes of a recording's run, compressed: a browser holds it as one text. A longer recording is shown up to there.
+inline constexpr std::size_t kMostRunBytes = std::size_t{128} << 20;
 
 }  // namespace collided::view

@@ -1,9 +1,13 @@
 #include "client/view/server_memory.hpp"
 
 #include <string>
+#include <system_error>
+#include <utility>
 
 #include <nlohmann/json.hpp>
 
+#include "client/view/recording.hpp"
+#include "client/view/uploaded_file.hpp"
 #include "idl/commands.hpp"
 
 namespace collided::view {
@@ -15,8 +19,8 @@ Result<std::string> ask_recorder(Client& client, const nlohmann::json& arguments
   return client.command(wire_contract::command::kRecording, arguments.dump(), {}, kPatience);
 }
 
-/// The recording as the server writes it, page after page.
-Result<std::string> fetch_recorded(Client& client, std::chrono::nanoseconds last) {
+/// Takes the recording as the server writes it, page after page, into a file.
+Result<void> fetch_recorded(Client& client, std::chrono::nanoseconds last, UploadedFile& file) {
   const Result<std::string> told = ask_recorder(client, {{"last_s", std::chrono::duration<double>(last).count()}});
   if (!told) return told.error();
   const nlohmann::json made = nlohmann::json::parse(*told, nullptr, false);
@@ -30,32 +34,35 @@ Result<std::string> fetch_recorded(Client& client, std::chrono::nanoseconds last
                      std::to_string(ServerMemory::kMostBytes >> 20) + " at most",
                  "collide record --last"};
   }
-  std::string bytes;
-  bytes.reserve(size);
-  while (bytes.size() < size) {
-    const Result<std::string> page = ask_recorder(client, {{"number", made["number"]}, {"offset", bytes.size()}});
+  for (std::uint64_t fetched = 0; fetched < size;) {
+    const Result<std::string> page = ask_recorder(client, {{"number", made["number"]}, {"offset", fetched}});
     if (!page) return page.error();
-    if (page->empty() || page->size() > size - bytes.size())
-      return Error{ErrorCode::internal, "the server's recording broke off at byte " + std::to_string(bytes.size()), ""};
-    bytes += *page;
+    if (page->empty() || page->size() > size - fetched)
+      return Error{ErrorCode::internal, "the server's recording broke off at byte " + std::to_string(fetched), ""};
+    file.append(*page);
+    fetched += page->size();
   }
-  return bytes;
+  return {};
 }
 
 }  // namespace
 
-Result<std::uint64_t> ServerMemory::fetch(Client& client, std::chrono::nanoseconds last) {
-  Result<std::string> bytes = fetch_recorded(client, last);
-  if (!bytes) return bytes.error();
+Result<std::uint64_t> ServerMemory::fetch(Client& client, std::chrono::nanoseconds last,
+                                          std::shared_ptr<const ShownObjects> surroundings) try {
+  UploadedFile file;
+  if (const Result<void> fetched = fetch_recorded(client, last, file); !fetched) return fetched.error();
+  Result<std::string> run =
+      run_of_recording(file.path(), std::move(surroundings), [this] { return is_stopping_.load(); });
+  if (!run) return run.error();
   const std::lock_guard lock(mutex_);
-  newest_ = make_bytes(std::move(*bytes));
+  newest_ = make_bytes(std::move(*run));
   return ++number_;
-}
+} catch (const std::system_error& failed) { return Error{ErrorCode::refused, failed.what(), ""}; }
 
 std::optional<WebPage> ServerMemory::page(std::string_view target) const {
   const std::lock_guard lock(mutex_);
   if (!newest_ || target != "/memory?number=" + std::to_string(number_)) return std::nullopt;
-  return WebPage{"application/octet-stream", newest_};
+  return WebPage{"application/json", newest_};
 }
 
 }  // namespace collided::view

@@ -58,7 +58,7 @@ StandingRecorder::StandingRecorder(Recording& recording, const std::string& name
     : recording_(recording),
       client_(recording.client()),
       follower_(client_),
-      listed_{name_space + "/standing", "json", "collided.Standing", "jsonschema", kListSchema},
+      listed_{name_space + "/standing", "json", kStandingSchemaName, "jsonschema", kListSchema},
       scene_{"/fences", "json", kSceneUpdateSchema.name, "jsonschema", kSceneUpdateSchema.json_schema},
       next_(Clock::now()) {}
 

@@ -11,6 +11,9 @@
 
 namespace collided::view {
 
+/// The schema of what is written for the page.
+inline constexpr const char* kStandingSchemaName = "collided.Standing";
+
 /// Writes the outlines of standing questions into a recording: on "<namespace>/standing" as the page of `collide view` takes
 /// them, each in the frame of its carrier, and on "/fences" as a scene in the world for Foxglove. A file of a run without
 /// standing questions has neither.

@@ -5,6 +5,7 @@
 #include "client/view/assets.hpp"
 #include "client/view/page_answers.hpp"
 #include "client/view/page_messages.hpp"
+#include "client/view/recording.hpp"
 
 namespace collided::view {
 namespace {
@@ -12,6 +13,7 @@ namespace {
 constexpr std::string_view kLive = "/live";
 constexpr std::string_view kMetrics = "/metrics";
 constexpr std::string_view kMemory = "/memory";
+constexpr const char* kRecording = "/recording";
 constexpr std::string_view kDrawing = "/drawing.svg";
 
 RequestRules rules_of(const ViewerOptions& options) {
@@ -40,12 +42,13 @@ Viewer::Viewer(Client& client, const ViewerOptions& options)
       foxglove_([this](Connection to, const WebMessage& message) { web_->send(to, message); }) {
   for (const Asset& asset : assets())
     assets_[std::string(asset.path)] = {asset.type, make_bytes(std::string(asset.text))};
-  asker_ = std::make_unique<Asker>(client, memory_);
+  asker_ = std::make_unique<Asker>(client, memory_, feed_);
   drawer_ = std::make_unique<Drawer>(client, options.y_is_up);
   web_ = std::make_unique<WebServer>(options.address, rules_, options.limits, handlers());
 }
 
 Viewer::~Viewer() {
+  is_stopping_ = true;
   // What calls others is destroyed before what it calls.
   follower_.reset();
   asker_.reset();
@@ -61,7 +64,9 @@ WebServer::Handlers Viewer::handlers() {
       },
       .opened = [this](Connection client, const std::string& protocol) { open(client, protocol); },
       .said = [this](Connection client, std::string_view message, bool is_text) { hear(client, message, is_text); },
-      .closed = [this](Connection client) { close(client); }};
+      .closed = [this](Connection client) { close(client); },
+      .upload_target = kRecording,
+      .uploaded = [this](const std::string& path) { return open_recording(path); }};
 }
 
 std::optional<WebPage> Viewer::page(std::string_view target) const {
@@ -72,6 +77,13 @@ std::optional<WebPage> Viewer::page(std::string_view target) const {
   if (!target.starts_with(kDrawing)) return feed_.page(target);
   Bytes drawing = drawer_->newest();
   return drawing ? std::optional(WebPage{"image/svg+xml", std::move(drawing)}) : std::nullopt;
+}
+
+/// Reads a recording that a page has sent.
+UploadAnswer Viewer::open_recording(const std::string& path) const {
+  Result<std::string> run = run_of_recording(path, feed_.shown(), [this] { return is_stopping_.load(); });
+  if (run) return {.is_taken = true, .page = {"application/json", make_bytes(std::move(*run))}};
+  return {.is_taken = false, .page = {"text/plain; charset=utf-8", make_bytes(run.error().message)}};
 }
 
 /// Opens a connection. Pages use no named protocol; an empty name means a page.

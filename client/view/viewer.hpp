@@ -69,6 +69,7 @@ class Viewer {
   WebServer::Handlers handlers();
   // The web server's handlers.
   std::optional<WebPage> page(std::string_view target) const;
+  UploadAnswer open_recording(const std::string& path) const;
   void open(Connection client, const std::string& protocol);
   void close(Connection client);
   void hear(Connection client, std::string_view message, bool is_text);
@@ -83,6 +84,7 @@ class Viewer {
   std::map<std::string, WebPage, std::less<>> assets_;
   mutable std::mutex mutex_;
   std::vector<Connection> pages_;
+  std::atomic<bool> is_stopping_{false};
   std::atomic<std::size_t> watching_{0};  // connections; poses are fetched only while there are any
   // Destroyed in reverse order: the asker's and the follower's threads use the web server, whose thread uses the feed.
   PageFeed feed_;

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <deque>
+#include <limits>
 #include <map>
 #include <stdexcept>
+#include <system_error>
 #include <thread>
 #include <unordered_map>
 #include <utility>
@@ -13,9 +15,12 @@
 #include <boost/asio/ip/tcp.hpp>
 #include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <boost/asio/thread_pool.hpp>
 #include <boost/beast/core.hpp>
 #include <boost/beast/http.hpp>
 #include <boost/beast/websocket.hpp>
+
+#include "client/view/uploaded_file.hpp"
 
 namespace collided::view {
 namespace {
@@ -27,6 +32,8 @@ namespace websocket = beast::websocket;
 using tcp = asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 using beast::error_code;
+
+constexpr std::size_t kPieceBytes = 256 << 10;  // that a client takes or sends in the time of a stall
 
 /// The page runs nothing from elsewhere, and cannot be embedded in another page.
 constexpr std::string_view kContentPolicy =
@@ -89,7 +96,10 @@ class WebServer::Running {
   std::map<std::uint64_t, Request*> reading_;    // without a whole request, the oldest first
   std::map<std::uint64_t, Request*> answering_;  // that are sent a page, the oldest first
   std::uint64_t newest_turn_ = 0;
-  asio::io_context context_{1};  // owns the connections, which use the members above
+  Request* uploading_ = nullptr;  // whose file is received or read
+  asio::io_context context_{1};   // owns the connections, which use the members above
+  asio::thread_pool files_{
+      1};  // writes and reads uploaded files, so that the other connections do not wait for the disk
   tcp::acceptor acceptor_{context_};
   asio::steady_timer pause_{context_};
   asio::steady_timer tick_{context_};
@@ -186,7 +196,6 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
 
   /// A client that takes a large message slowly is not one that takes nothing: each piece has the time of a stall.
   void write_piece() {
-    constexpr std::size_t kPieceBytes = 256 << 10;
     taken_at_ = Clock::now();
     const std::string_view rest = std::string_view(*written_.bytes).substr(written_bytes_);
     const std::string_view piece = rest.substr(0, kPieceBytes);
@@ -265,6 +274,7 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
   }
 
   ~Request() {
+    end_upload();
     owner_.reading_.erase(turn_);
     owner_.answering_.erase(turn_);
   }
@@ -275,9 +285,10 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
     owner_.reading_.emplace(turn_, this);
     parser_.emplace();
     parser_->header_limit(owner_.limits_.header_bytes);
-    parser_->body_limit(0);
+    // A body is not read here, and an upload has a limit of its own.
+    parser_->body_limit(std::numeric_limits<std::uint64_t>::max());
     stream_.expires_after(is_first_ ? owner_.limits_.first_request : owner_.limits_.request);
-    http::async_read(stream_, buffer_, *parser_, [self = shared_from_this()](error_code failed, std::size_t) {
+    http::async_read_header(stream_, buffer_, *parser_, [self = shared_from_this()](error_code failed, std::size_t) {
       self->owner_.reading_.erase(self->turn_);
       self->is_first_ = false;
       if (failed) return self->refuse(failed);
@@ -300,6 +311,10 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
 
   void answer() {
     const http::request<http::empty_body>& request = parser_->get();
+    version_ = request.version() == 0 ? 11 : request.version();
+    method_ = request.method();
+    const bool brings_body = !parser_->is_done();
+    if (brings_body && method_ != http::verb::post) return refuse(http::error::body_limit);
     if (owner_.counts_.open >= owner_.limits_.connections && !owner_.close_one_answer()) {
       ++owner_.counts_.full;
       keeps_ = false;
@@ -325,13 +340,120 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
       case Admission::by_cookie: sets_cookie_ = false; break;
     }
     target_ = owner_.rules_.token.empty() ? std::string(target) : without_token(target);
+    if (method_ == http::verb::post && !owner_.handlers_.upload_target.empty() &&
+        target_ == owner_.handlers_.upload_target) {
+      return take_upload(view_of(request[http::field::origin]), host);
+    }
+    if (brings_body) return refuse(http::error::body_limit);
     if (websocket::is_upgrade(request)) return upgrade(request);
-    if (request.method() != http::verb::get && request.method() != http::verb::head) {
+    if (method_ != http::verb::get && method_ != http::verb::head) {
       return respond(http::status::method_not_allowed, "text/plain", make_bytes("only GET\n"));
     }
     const std::optional<WebPage> page = owner_.handlers_.page(target_);
     if (!page) return respond(http::status::not_found, "text/plain", make_bytes("no such page\n"));
     respond(http::status::ok, page->type, page->body);
+  }
+
+  /// Begins to receive a file. Pages of other origins that may connect may not send any.
+  void take_upload(std::string_view origin, std::string_view host) {
+    if (!may_connect(origin, host, {})) return forbid("only this viewer's own pages may send it a file\n");
+    keeps_ = false;
+    if (parser_->is_done()) return refuse_upload(http::status::bad_request, "no file came with it");
+    const auto length = parser_->content_length();
+    if (length && *length > owner_.limits_.upload_bytes) return refuse_size();
+    if (owner_.uploading_ != nullptr) {
+      ++owner_.counts_.full;
+      return refuse_upload(http::status::service_unavailable, "this viewer reads another file; try again later");
+    }
+    try {
+      file_ = std::make_unique<UploadedFile>();
+    } catch (const std::system_error& failed) {
+      return refuse_upload(http::status::insufficient_storage, failed.what());
+    }
+    owner_.uploading_ = this;
+    upload_.emplace(std::move(*parser_));
+    piece_.resize(kPieceBytes);
+    receive_piece();
+  }
+
+  void receive_piece() {
+    auto& body = upload_->get().body();
+    body.data = piece_.data();
+    body.size = piece_.size();
+    body.more = true;
+    stream_.expires_after(owner_.limits_.stall);
+    http::async_read(stream_, buffer_, *upload_, [self = shared_from_this()](error_code failed, std::size_t) {
+      if (failed == beast::error::timeout) ++self->owner_.counts_.slow;
+      if (failed && failed != http::error::need_buffer) return self->end_upload();
+      const std::size_t bytes = self->piece_.size() - self->upload_->get().body().size;
+      self->received_bytes_ += bytes;
+      if (self->received_bytes_ > self->owner_.limits_.upload_bytes) return self->refuse_size();
+      self->keep_piece(bytes);
+    });
+  }
+
+  /// Writes a piece; then receives the next one, or has the whole file read.
+  void keep_piece(std::size_t bytes) {
+    on_file_thread(
+        [this, bytes]() -> UploadAnswer {
+          try {
+            file_->append(std::string_view(piece_).substr(0, bytes));
+            return {.is_taken = true, .page = {}};
+          } catch (const std::system_error& failed) { return {.is_taken = false, .page = sentence(failed.what())}; }
+        },
+        [this](const UploadAnswer& kept) {
+          if (!kept.is_taken) return refuse_upload(http::status::insufficient_storage, *kept.page.body);
+          if (!upload_->is_done()) return receive_piece();
+          on_file_thread([this] { return answer_of_file(); },
+                         [this](const UploadAnswer& answer) {
+                           end_upload();
+                           const auto status = answer.is_taken ? http::status::ok : http::status::unprocessable_entity;
+                           respond(status, answer.page.type, answer.page.body);
+                         });
+        });
+  }
+
+  UploadAnswer answer_of_file() const {
+    try {
+      return owner_.handlers_.uploaded(file_->path());
+    } catch (const std::bad_alloc&) {
+      return {.is_taken = false, .page = sentence("this viewer has too little memory for it")};
+    } catch (const std::exception& failed) { return {.is_taken = false, .page = sentence(failed.what())}; }
+  }
+
+  /// Calls then(work()): work on the thread for files, then on the server's. The connection does nothing meanwhile.
+  template <class Work, class Then>
+  void on_file_thread(Work work, Then then) {
+    asio::post(owner_.files_, [self = shared_from_this(), work, then]() mutable {
+      Running& owner = self->owner_;
+      // The last owner of a connection must be the server's thread.
+      asio::post(owner.context_, [self = std::move(self), then, done = work()] { then(done); });
+    });
+  }
+
+  void end_upload() {
+    if (owner_.uploading_ == this) owner_.uploading_ = nullptr;
+    file_.reset();
+  }
+
+  static WebPage sentence(std::string text) { return {"text/plain; charset=utf-8", make_bytes(std::move(text))}; }
+  void refuse_size() {
+    refuse_upload(http::status::payload_too_large, "it is too large: this viewer takes at most " +
+                                                       std::to_string(owner_.limits_.upload_bytes >> 20) + " MiB");
+  }
+  /// Answers before all of the file has come. The rest is received too: a connection that is closed with unread bytes may
+  /// lose its answer.
+  void refuse_upload(http::status status, std::string why) {
+    end_upload();
+    drains_ = true;
+    const WebPage page = sentence(std::move(why));
+    respond(status, page.type, page.body);
+  }
+  void drain() {
+    piece_.resize(kPieceBytes);
+    stream_.async_read_some(asio::buffer(piece_), [self = shared_from_this()](error_code failed, std::size_t) {
+      if (!failed) self->drain();
+    });
   }
 
   void forbid(const char* why) {
@@ -361,9 +483,8 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
   }
 
   void respond(http::status status, std::string_view type, Bytes body) {
-    const http::request<http::empty_body>& request = parser_->get();
     body_ = std::move(body);
-    response_.emplace(status, request.version() == 0 ? 11 : request.version());
+    response_.emplace(status, version_);
     response_->set(http::field::content_type, beast::string_view(type.data(), type.size()));
     response_->set(http::field::cache_control, "no-store");
     response_->set("Content-Security-Policy", beast::string_view(kContentPolicy.data(), kContentPolicy.size()));
@@ -376,9 +497,9 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
                      owner_.cookie_name() + '=' + owner_.rules_.token + "; Path=/; HttpOnly; SameSite=Strict");
     response_->keep_alive(keeps_);
     response_->content_length(body_->size());
-    if (request.method() != http::verb::head) response_->body() = beast::span<const char>(body_->data(), body_->size());
+    if (method_ != http::verb::head) response_->body() = beast::span<const char>(body_->data(), body_->size());
     serializer_.emplace(*response_);
-    serializer_->split(request.method() == http::verb::head);
+    serializer_->split(method_ == http::verb::head);
     stream_.expires_after(owner_.limits_.response);
     turn_ = ++owner_.newest_turn_;
     answered_ = Clock::now();
@@ -390,8 +511,11 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
       if (!failed && self->keeps_) return self->read();
       error_code ignored;
       self->stream_.socket().shutdown(tcp::socket::shutdown_send, ignored);
+      if (failed || !self->drains_) return;
+      self->stream_.expires_after(self->owner_.limits_.request);
+      self->drain();
     };
-    if (request.method() == http::verb::head) http::async_write_header(stream_, *serializer_, sent);
+    if (method_ == http::verb::head) http::async_write_header(stream_, *serializer_, sent);
     else http::async_write(stream_, *serializer_, sent);
   }
 
@@ -407,8 +531,16 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
   bool is_loopback_ = false;
   bool keeps_ = false;
   bool sets_cookie_ = false;
+  bool drains_ = false;  // what still comes is received after the answer
+  unsigned version_ = 11;
+  http::verb method_ = http::verb::unknown;
   std::string target_;
   std::optional<http::request_parser<http::empty_body>> parser_;
+  // The state of an upload.
+  std::optional<http::request_parser<http::buffer_body>> upload_;
+  std::unique_ptr<UploadedFile> file_;
+  std::string piece_;  // received, and not yet written
+  std::uint64_t received_bytes_ = 0;
   std::optional<http::response<http::span_body<const char>>> response_;
   std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
   Bytes body_;
@@ -438,6 +570,8 @@ WebServer::Running::Running(const WebAddress& address, const RequestRules& rules
 WebServer::Running::~Running() {
   context_.stop();
   if (thread_.joinable()) thread_.join();
+  files_.stop();
+  files_.join();
 }
 
 void WebServer::Running::run() {

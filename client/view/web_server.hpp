@@ -34,16 +34,18 @@ struct WebLimits {
   /// Connections without a whole request, which are not among those. With more, the oldest of the address that has most
   /// is closed, so that half requests keep no place from others.
   std::size_t requests = 256;
-  std::uint32_t header_bytes = 8 * 1024;  // of a request; a body is refused
-  std::size_t message_bytes = 16 * 1024;  // of one message from a WebSocket client
-  std::uint32_t messages_a_second = 100;  // from a WebSocket client; one that sends more is dropped
+  std::uint32_t header_bytes = 8 * 1024;                // of a request; a body is refused, except an upload's
+  std::uint64_t upload_bytes = std::uint64_t{1} << 30;  // of an uploaded file; one is received at a time
+  std::size_t message_bytes = 16 * 1024;                // of one message from a WebSocket client
+  std::uint32_t messages_a_second = 100;                // from a WebSocket client; one that sends more is dropped
   // Messages without a lane that wait for a client, behind the one being sent; with more it is dropped.
   std::size_t waiting_messages = 256;
   std::size_t waiting_bytes = 4 << 20;
   std::chrono::seconds first_request{2};  // to receive the first request of a connection
   std::chrono::seconds request{10};       // to receive a later one, with the time before it
   std::chrono::seconds response{60};      // to send a page
-  // A client that has taken nothing of a message for this long is dropped, and so is a silent one.
+  // A client that has taken nothing of a message for this long is dropped, and so is a silent one, and one that has not
+  // sent a piece (256 KiB) of its upload in that time.
   std::chrono::seconds stall{20};
 };
 
@@ -59,6 +61,12 @@ struct WebMessage {
 struct WebPage {
   std::string_view type;  // for the Content-Type header; must remain valid
   Bytes body;
+};
+
+/// The answer to an uploaded file.
+struct UploadAnswer {
+  bool is_taken = false;  // else the page is a sentence that says why not
+  WebPage page;
 };
 
 /// Counts since the start, of connections unless stated otherwise.
@@ -80,7 +88,7 @@ class WebServer {
  public:
   using Connection = std::uint64_t;  // the number of a WebSocket connection; never reused
 
-  /// What the server calls, on its own thread. None may wait. Targets come without the rules' token.
+  /// Functions that the server calls, on its own thread. None but `uploaded` may wait. Targets come without the rules' token.
   struct Handlers {
     /// The page for a path with its query; nothing: 404.
     std::function<std::optional<WebPage>(std::string_view target)> page;
@@ -90,6 +98,10 @@ class WebServer {
     std::function<void(Connection, const std::string& protocol)> opened;
     std::function<void(Connection, std::string_view message, bool is_text)> said;
     std::function<void(Connection)> closed;
+    /// The target to which this server's own pages may post a file; empty: none.
+    std::string upload_target;
+    /// Answers a file that was posted there. Called on a thread of its own, one file at a time.
+    std::function<UploadAnswer(const std::string& path)> uploaded;
   };
 
   /// Listens; requests are answered after start(). Throws std::runtime_error with a sentence where it cannot listen at

@@ -5,11 +5,11 @@ import { join } from "node:path";
 const kUnturned = [1, 0, 0, 0];
 export const kAddress = "http://fake-viewer/";
 
-/// The page's files as the build puts them together (client/view/embed.cmake). contract: the script of idl/generate.py.
-export function pageFiles(source, contract) {
+/// The page's files as the build puts them together (client/view/embed.cmake).
+export function pageFiles(source) {
   const parts = readFileSync(join(source, "embed.cmake"), "utf8").match(/foreach\(part ([^)]*)\)/)[1].trim().split(/\s+/);
   const read = (name) => readFileSync(join(source, "page", name), "utf8");
-  const script = `(() => {\n"use strict";\n${readFileSync(contract, "utf8")}\n${parts.map((part) => read(`${part}.js`)).join("\n")}})();\n`;
+  const script = `(() => {\n"use strict";\n${parts.map((part) => read(`${part}.js`)).join("\n")}})();\n`;
   return { "/": ["text/html", read("index.html")], "/view.css": ["text/css", read("view.css")], "/view.js": ["text/javascript", script] };
 }
 
@@ -19,6 +19,8 @@ export class FakeWorld {
     this.surfaces = new Map();  // by number, as /surface answers
     this.version = 1;
     this.asked = [];
+    this.posted = [];      // bytes of the recordings that the page has sent
+    this.recording = null; // () => {status, body}, the answer to them; null: the connection breaks off
     this.connections = 0;
   }
   /// part: kind and numbers as in client/view/page_messages.hpp
@@ -77,6 +79,11 @@ export class FakeWorld {
   async serve(page, files, answers = {}) {
     await page.route(`${kAddress}**`, (route) => {
       const { pathname: path, searchParams } = new URL(route.request().url());
+      if (path === "/recording") {
+        this.posted.push(route.request().postDataBuffer());
+        const answer = this.recording?.();
+        return answer ? route.fulfill({ contentType: "application/json", ...answer }) : route.abort();
+      }
       if (path === "/surface") return route.fulfill({ contentType: "application/octet-stream", body: this.surfaces.get(searchParams.get("number")) });
       if (path === "/objects") return route.fulfill({ contentType: "application/json", body: JSON.stringify(this.table()) });
       const file = files[path];

@@ -1,5 +1,5 @@
 // The page in a real browser, with a viewer made here, so that each test knows what must be seen.
-//   node page.mjs --source client/view --contract build/client/view/contract.js --modules DIR [--pictures DIR] [--only TEST]
+//   node page.mjs --source client/view --modules DIR [--pictures DIR] [--only TEST]
 import { check, words } from "./chromium.mjs";
 import { lastChecked } from "./waiting.mjs";
 import * as asking from "./page_asking.mjs";

@@ -100,7 +100,6 @@ TEST_F(Viewing, APageHearsOfEverything) {
   EXPECT_NE(page.read_until("no question").find("no question"), std::string::npos);
 }
 
-// What the flight recorder holds is fetched by its number, an MCAP file, for as long as nothing newer was asked for.
 // While a step lasted for seconds, a page wrote that no server answers.
 TEST_F(Viewing, APageIsToldThatTheServerIsBusyAndNeverThatItIsSilent) {
   ASSERT_NO_FATAL_FAILURE(start());
@@ -120,6 +119,7 @@ TEST_F(Viewing, APageIsToldThatTheServerIsBusyAndNeverThatItIsSilent) {
   EXPECT_EQ(told.find("\"type\":\"silent\""), std::string::npos);
 }
 
+// The content of the flight recorder is fetched by its number, as a run, for as long as nothing newer was asked for.
 TEST_F(Viewing, ThePageGetsWhatTheServerRemembers) {
   ASSERT_NO_FATAL_FAILURE(start());
   const LoudClient page = open("/live");
@@ -128,7 +128,8 @@ TEST_F(Viewing, ThePageGetsWhatTheServerRemembers) {
     page.send(LoudClient::frame(R"({"ask":"memory","id":7,"seconds":30})"));
     const std::string path = std::string("memory?number=") + number;
     ASSERT_NE(page.read_until(path, kPatience).find(path), std::string::npos);
-    EXPECT_NE(eventually_fetched("/" + path, "\x89MCAP0\r\n").find("\x89MCAP0\r\n"), std::string::npos);
+    const std::string poses = R"("kind":"poses")";
+    EXPECT_NE(eventually_fetched("/" + path, poses).find(poses), std::string::npos);
   }
   const LoudClient late(port);
   late.send(LoudClient::get("/memory?number=1", host));

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <condition_variable>
+#include <fstream>
+#include <iterator>
 #include <map>
 #include <mutex>
 #include <random>
@@ -43,6 +45,17 @@ class WebServerTest : public testing::Test {
         ++closed;
       });
     };
+    handlers.upload_target = "/recording";
+    handlers.uploaded = [this](const std::string& path) -> UploadAnswer {
+      note([&] { is_reading = true; });
+      std::unique_lock lock(mutex);
+      changed.wait_for(lock, LoudClient::kPatience, [&] { return !is_reading_held; });
+      std::ifstream in(path, std::ios::binary);
+      const std::string bytes((std::istreambuf_iterator<char>(in)), {});
+      if (bytes.starts_with("bad")) return {.is_taken = false, .page = {"text/plain", make_bytes("it is bad")}};
+      return {.is_taken = true,
+              .page = {"application/json", make_bytes("{\"bytes\":" + std::to_string(bytes.size()) + "}")}};
+    };
     server.emplace(WebAddress{}, rules, limits, std::move(handlers));
     server->start();
     host = "127.0.0.1:" + std::to_string(server->port());
@@ -58,6 +71,17 @@ class WebServerTest : public testing::Test {
     const LoudClient one = client();
     one.send(request);
     return one.read_until("\r\n\r\n").substr(0, 12);
+  }
+  /// A request that uploads so many bytes, of which only the given ones follow.
+  std::string upload(std::size_t bytes, const std::string& body, const std::string& headers = {}) const {
+    return "POST /recording HTTP/1.1\r\nHost: " + host + "\r\n" + headers + "Content-Length: " + std::to_string(bytes) +
+           "\r\n\r\n" + body;
+  }
+  std::string uploaded(const std::string& body, const std::string& headers = {}) const {
+    const LoudClient one = client();
+    one.send(upload(body.size(), body, headers));
+    // The connection ends with the answer, so all of it is read.
+    return one.read_until("no answer has this text");
   }
   template <class Change>
   void note(Change&& change) {
@@ -78,6 +102,8 @@ class WebServerTest : public testing::Test {
   std::condition_variable changed;
   std::map<WebServer::Connection, std::string> open;
   std::size_t closed = 0;
+  bool is_reading_held = false;  // uploaded files are read once it is false
+  bool is_reading = false;       // an uploaded file was taken
   std::string host;
   std::optional<WebServer> server;
 };
@@ -165,6 +191,63 @@ TEST_F(WebServerTest, WhatIsNoRequestIsRefusedAndCounted) {
   EXPECT_EQ(asked("POST / HTTP/1.1\r\nHost: " + host + "\r\nContent-Length: 1000000000000\r\n\r\n"), "HTTP/1.1 400");
   EXPECT_EQ(asked(LoudClient::get("/", host, "Host: evil.example\r\n")), "HTTP/1.1 400") << "two names";
   EXPECT_EQ(server->counts().malformed, 4U);
+}
+
+TEST_F(WebServerTest, AnUploadedFileIsAnswered) {
+  start();
+  // Several pieces, and a last one that is not full.
+  const std::string answer = uploaded(std::string(1'000'001, 'x'), "Origin: http://" + host + "\r\n");
+  EXPECT_EQ(answer.substr(0, 15), "HTTP/1.1 200 OK");
+  EXPECT_TRUE(answer.ends_with("{\"bytes\":1000001}")) << answer;
+  EXPECT_TRUE(uploaded(std::string(2 << 18, 'x')).ends_with("{\"bytes\":524288}")) << "whole pieces";
+  const std::string refused = uploaded("bad");
+  EXPECT_EQ(refused.substr(0, 12), "HTTP/1.1 422");
+  EXPECT_TRUE(refused.ends_with("it is bad")) << refused;
+  const std::string chunks = "POST /recording HTTP/1.1\r\nHost: " + host + "\r\nTransfer-Encoding: chunked\r\n\r\n" +
+                             "3\r\nabc\r\n2\r\nde\r\n0\r\n\r\n";
+  const LoudClient one = client();
+  one.send(chunks);
+  EXPECT_NE(one.read_until("{\"bytes\":5}").find("{\"bytes\":5}"), std::string::npos);
+  EXPECT_EQ(asked("POST /recording HTTP/1.1\r\nHost: " + host + "\r\nContent-Length: 0\r\n\r\n"), "HTTP/1.1 400");
+  EXPECT_EQ(asked(LoudClient::get("/recording", host)), "HTTP/1.1 404");
+  EXPECT_EQ(server->counts().faults, 0U);
+}
+
+// A page of another origin may be allowed to watch; it may not send files.
+TEST_F(WebServerTest, OnlyItsOwnPagesUpload) {
+  const std::string token = new_token();
+  start({}, {.origins = {"https://app.example"}, .token = token});
+  const std::string cookie = "Cookie: collided_view_" + std::to_string(server->port()) + "=" + token + "\r\n";
+  EXPECT_EQ(asked(upload(3, "abc")), "HTTP/1.1 403") << "without the token";
+  EXPECT_EQ(asked(upload(3, "abc", cookie + "Origin: https://app.example\r\n")), "HTTP/1.1 403");
+  EXPECT_EQ(asked(upload(3, "abc", cookie + "Origin: http://evil.example\r\n")), "HTTP/1.1 403");
+  EXPECT_EQ(asked(upload(3, "abc", cookie + "Origin: http://" + host + "\r\n")), "HTTP/1.1 200");
+}
+
+TEST_F(WebServerTest, AnUploadHasASizeAndATimeAndIsTheOnlyOne) {
+  start({.upload_bytes = 1 << 20, .stall = 1s});
+  EXPECT_EQ(asked(upload((1 << 20) + 1, "x")), "HTTP/1.1 413") << "by its announced size";
+  const std::string hidden = "POST /recording HTTP/1.1\r\nHost: " + host + "\r\nTransfer-Encoding: chunked\r\n\r\n" +
+                             "200000\r\n" + std::string(2 << 20, 'x') + "\r\n0\r\n\r\n";
+  EXPECT_EQ(asked(hidden), "HTTP/1.1 413") << "by its bytes";
+  {
+    const LoudClient broken = client();
+    broken.send(upload(1'000, "cut off"));
+  }
+  EXPECT_TRUE(eventually([&] { return server->counts().open == 0; })) << "no place is kept by what was cut off";
+  note([&] { is_reading_held = true; });
+  const LoudClient first = client();
+  first.send(upload(3, "abc"));
+  ASSERT_TRUE(eventually([&] { return is_reading; }));
+  EXPECT_EQ(asked(upload(3, "def")), "HTTP/1.1 503") << "one is read at a time";
+  EXPECT_EQ(asked(LoudClient::get("/", host)), "HTTP/1.1 200") << "pages are served meanwhile";
+  note([&] { is_reading_held = false; });
+  EXPECT_NE(first.read_until("{\"bytes\":3}").find("200 OK"), std::string::npos);
+  const LoudClient slow = client();
+  slow.send(upload(1'000, "and no more"));
+  EXPECT_TRUE(slow.ends());
+  EXPECT_TRUE(eventually([&] { return server->counts().slow == 1; }));
+  EXPECT_EQ(asked(upload(3, "abc")), "HTTP/1.1 200") << "its place is free again";
 }
 
 TEST_F(WebServerTest, AMessageGoesBothWaysInOrder) {

@@ -84,8 +84,8 @@ class Page {
       goTo: (event) => this.goToEvent(event),
       closed: () => this.showRecording(null),
     }, Boolean(run));
-    this.opening = new Opening({
-      surroundings: () => standingOf(this.timeline.tableShown()),
+    this.recordings = new Recordings({
+      isSaved: Boolean(run),
       ask: (question) => this.asking.ask(question),
       whyNotSent: () => this.whyNotSent(),
       opened: (recorded, name) => {
@@ -156,7 +156,7 @@ class Page {
     } else if (kind === "silent") this.panels.showState(`no server answers, for ${durationText(value.seconds)}`, true);
     else if (kind === "answer") this.hearAnswer(value);
     else if (kind === "refused") {
-      this.opening.refused(value);
+      this.recordings.refused(value);
       this.others.refused(value);
       this.asking.refused(value);
     }
@@ -171,7 +171,7 @@ class Page {
   hearAnswer(answer) {
     if (answer.ask === "object") this.selected.hear(answer);
     else if (answer.ask === "sampled") this.others.hear(answer, performance.now());
-    else if (answer.ask === "memory") this.opening.hear(answer);
+    else if (answer.ask === "memory") this.recordings.hear(answer);
     else if (answer.ask === "nearest") this.selected.hearNearest(answer);
     else if (answer.ask === "owners") {
       this.things.setOwners(answer.owners);

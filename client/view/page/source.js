@@ -1,4 +1,4 @@
-// Where the page gets the world from: the viewer that served it, or a run that was saved into it.
+// Sources of the world that the page shows: the viewer that served it, or a run.
 
 function readSurface(bytes) {
   const view = new DataView(bytes);
@@ -7,22 +7,9 @@ function readSurface(bytes) {
   const origin = [8, 16, 24].map((at) => view.getFloat64(at, true));
   const positions = new Float32Array(bytes, 32, 3 * vertices);
   const corners = new Uint32Array(bytes, 32 + 12 * vertices, 3 * triangles);
-  return newSurface(origin, positions, corners);
+  // boundsOf: bounds of runs, by "first count"; most surfaces hold many objects.
+  return { origin, positions, corners, boundsOf: new Map() };
 }
-
-/// A surface of vertices and their numbers, as it came with a recording.
-function surfaceOfMesh(vertices, corners) {
-  const bounds = new Bounds();
-  for (const vertex of vertices) bounds.extend(vertex);
-  // In the middle, so that coordinates far from 0 keep their digits.
-  const origin = bounds.center().map(Math.round);
-  const positions = new Float32Array(3 * vertices.length);
-  vertices.forEach((vertex, i) => positions.set(subtract(vertex, origin), 3 * i));
-  return newSurface(origin, positions, corners);
-}
-
-/// boundsOf: bounds of runs, by "first count"; most surfaces hold many objects.
-function newSurface(origin, positions, corners) { return { origin, positions, corners, boundsOf: new Map() }; }
 
 /// The bounds of some triangles of a surface, in the frame of its objects.
 function boundsOfRun(surface, first, count) {
@@ -57,13 +44,6 @@ function readPoses(bytes) {
     slots: new Uint32Array(bytes, 56 + 28 * count, count),
     stale: new Uint8Array(bytes, 56 + 32 * count, count),
   };
-}
-
-/// What stands still in a table that the page was told of: {objects, surfaceOf}, for recordings, which have no scenes.
-function standingOf(told) {
-  const still = told ? told.table.objects.filter(({ moving }) => !moving) : [];
-  const objects = still.map(({ name, scene, layers, mask, group, pose, parts, runs }) => ({ name, scene, layers, mask, group, pose, parts, runs, moving: false, stale: false }));
-  return { objects, surfaceOf: told ? told.surfaceOf : () => undefined };
 }
 
 /// Surfaces by number. Each is fetched once and kept for as long as the newest table has it.
@@ -175,8 +155,8 @@ class LiveSource {
   }
 }
 
-/// A run that `collide view --save` wrote into this file: {begin, end, messages [{t, kind, data}], surfaces}; data is
-/// text, or bytes compressed by zlib, as base64. All of it is told once, each message with its time.
+/// A run that `collide view --save` wrote into this file, or that the viewer made of a recording (client/view/run_writer.hpp). All of
+/// it is passed on once, each message with its time.
 class SavedSource {
   /// keep(t, kind, value): t in seconds from the beginning
   constructor(run, keep) {

@@ -74,7 +74,7 @@ class Timeline {
     this.update();
   }
 
-  /// Shows a recording (RecordedRun) instead of what comes in, which is kept meanwhile; live() goes back to it.
+  /// Shows a recording (Recordings) instead of what comes in, which is kept meanwhile; live() goes back to it.
   open({ entries, end }) {
     this.closed ||= { history: this.history, isSaved: this.isSaved };
     this.history = new History(Infinity, Infinity);
@@ -86,8 +86,6 @@ class Timeline {
     byId("live").hidden = this.closed.isSaved;
     this.goTo(this.begin());
   }
-  /// The newest table that came in; null before the first.
-  tableShown() { return (this.closed?.history ?? this.history).tables.at(-1)?.value ?? null; }
 
   step(by) {
     this.pause();

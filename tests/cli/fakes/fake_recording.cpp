@@ -45,6 +45,11 @@ Result<ReplayReport> replay(const ConnectOptions& connect, const ReplayOptions& 
   return report;
 }
 
+Result<RecordedPicture> recorded_picture(const std::string& path, const PictureOptions&,
+                                         const std::function<void(const PictureChange&)>&) {
+  return Error{ErrorCode::bad_input, path + ": is no MCAP file. Nothing is shown", ""};
+}
+
 std::vector<Finding> diagnose(const ConnectOptions& options) {
   fake::server().connected_with = options;
   return fake::server().findings;
