@@ -6,12 +6,10 @@ include/collided/codes.hpp           C++: an enumeration is an enum class of one
 include/collided/codes.h             C: the codes and constants of the C interface
 idl/messages.hpp                     C++: the members of each message in their order, and its sequences as vectors
 client/python/collided/_contract.py  Python: an enumeration is a tuple of its words
-client/view/contract.js              the page: the same as an array, and the members of the messages in recordings
 
 In the IDL all enumerators of an enumeration begin with one word of their own, since IDL puts them into the module's scope; in
 other languages than C that word is dropped."""
 import collections
-import json
 import pathlib
 import re
 import sys
@@ -22,7 +20,6 @@ WIDTH = 120
 SPOKEN = {"none": "", "what_if": "what-if"}
 CPP = {"octet": "std::uint8_t", "boolean": "bool", "double": "double", "long long": "std::int64_t",
        "unsigned long": "std::uint32_t", "unsigned long long": "std::uint64_t"}
-JS = {"octet": "u8", "boolean": "u8", "double": "f64", "long long": "i64", "unsigned long": "u32", "unsigned long long": "u64"}
 SUFFIXES = {"unsigned long": "U", "unsigned long long": "U"}
 # What the C interface has. Of the first four the enumerators' own word is dropped in C, too.
 SHORT_IN_C = ("HitMode", "Importance", "InstantKind", "Verdict")
@@ -164,22 +161,6 @@ def python_module(idl):
                       *words, *numbers, ""])
 
 
-def page_script(idl):
-    words = [f"const k{code.name} = {json.dumps(answered(code.words))};" for code in enumerations(idl)]
-    numbers = [f"const {camel(constant.name)} = {constant.value};" for constant in constants(idl)]
-    samples = [f"  {name}: \"{', '.join(map(member_as_js, members))}\"," for name, members in messages(idl)]
-    return "\n".join(["// Generated from IDL by generate.py: the words of codes, by their numbers; constants; and the members of messages.",
-                      *words, *numbers, "const kSamples = {", *samples, "};", ""])
-
-
-def member_as_js(member):
-    kind, name, count, _ = member
-    if kind.startswith("string<"):
-        return f"{name} text"
-    sequence = re.fullmatch(r"sequence<([\w ]+)>", kind)
-    return f"{name} {JS[sequence[1]]}*" if sequence else f"{name} {JS[kind]}{f'[{count}]' if count else ''}"
-
-
 # ---- messages ---------------------------------------------------------------------------------------------------------
 
 
@@ -268,8 +249,7 @@ void take(const Sequence& column, std::size_t row, Member& to) requires(Number<M
 
 
 OUTPUTS = {"include/collided/codes.hpp": codes_header, "include/collided/codes.h": c_header,
-           "idl/messages.hpp": messages_header, "client/python/collided/_contract.py": python_module,
-           "client/view/contract.js": page_script}
+           "idl/messages.hpp": messages_header, "client/python/collided/_contract.py": python_module}
 
 
 def write(path, text):

@@ -51,11 +51,6 @@ C_CODES = [
     "/* In place of a triangle. */\n#define COLLIDED_NO_TRIANGLE 4294967295u\n",
 ]
 PYTHON = ["COURSE = ('', 'gone_by')\nVERDICT = ('miss',)\n", "COURSE_FAST = 1\n"]
-PAGE = [
-    'const kCourse = ["", "gone_by"];\n',
-    "const kCourseFast = 1;\n",
-    '  Courses: "server u64, name text, start f64[3], kinds u8*, points f64*, lengths f64*, names u8*",\n',
-]
 MESSAGES = [
     "field(s.server); field(s.name); field(s.start); field(s.kinds); field(s.points); field(s.lengths); field(s.names);",
     "struct CoursesColumns {\n  using Message = Courses;\n  std::vector<std::uint8_t> kinds;\n  std::vector<double> points;\n",
@@ -253,7 +248,7 @@ def answer_faults(generate):
 def main(sources):
     generate = module_at(pathlib.Path(sources) / "idl" / "generate.py")
     expected = {"include/collided/codes.hpp": CODES, "include/collided/codes.h": C_CODES, "idl/messages.hpp": MESSAGES,
-                "client/python/collided/_contract.py": PYTHON, "client/view/contract.js": PAGE}
+                "client/python/collided/_contract.py": PYTHON}
     client = pathlib.Path(sources) / "client"
     sys.path.insert(0, str(client))
     sys.dont_write_bytecode = True
