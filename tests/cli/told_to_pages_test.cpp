@@ -50,7 +50,8 @@ TEST_F(ToldToPages, SixtyFourQuestionsWaitAndNoMore) {
     return PairAnswer{};
   };
   ServerMemory memory;
-  Asker asker(*client, memory);
+  const PageFeed feed([](const WebMessage&) {});
+  Asker asker(*client, memory, feed);
   const auto ask = [&] { return asker.ask({1, PairOfNames{"a", "b"}}, [&](const std::string&) { ++answered; }); };
   EXPECT_TRUE(ask());
   EXPECT_TRUE(ask());
