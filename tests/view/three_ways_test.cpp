@@ -55,7 +55,9 @@ struct ShownAtLast {
     if (type == "standing") standing = message["standing"];
     if (type == "contacts") contained.clear();
     for (const char* list : {"contacts", "events"}) {
-      for (const json& event : message.value(list, json::array())) {
+      const json listed = message.value(list, json::array());
+      if (!listed.is_array()) continue;  // a status counts them
+      for (const json& event : listed) {
         const std::string pair = event.value("a", "") + " " + event.value("b", "");
         if (event.value("what", "") == "ended") contained.erase(pair);
         else contained[pair] = event.value("contained", "");
