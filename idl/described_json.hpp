@@ -126,6 +126,11 @@ void read_json(const nlohmann::json& json, const JsonPlace& place, Value& value)
   } else {
     if (json.type() != nlohmann::json(value).type() && !(std::is_integral_v<Value> && json.is_number_integer()))
       refuse_json(place, " is of another type");
+    if constexpr (std::is_integral_v<Value> && !std::is_same_v<Value, bool>) {
+      const bool fits = json.is_number_unsigned() ? std::in_range<Value>(json.get<std::uint64_t>())
+                                                  : std::in_range<Value>(json.get<std::int64_t>());
+      if (!fits) refuse_json(place, " is out of range");
+    }
     value = json.get<Value>();
   }
 }
@@ -138,7 +143,8 @@ void read_field(const nlohmann::json& json, const JsonPlace& parent, const Descr
   const auto found = json.find(field.name);
   if constexpr (std::is_same_v<Member, bool>) {
     if (!field.words.empty()) {
-      answer.*field.member = found != json.end() && *found == field.words[0];
+      answer.*field.member = found != json.end();
+      if (found != json.end() && *found != field.words[0]) refuse_json(place, " is a word that is not known");
       return;
     }
   }

@@ -314,6 +314,11 @@ TEST_F(ExplainVerb, AnAnswerThatDoesNotFitIsNamedByThePlace) {
   wrong["holds"][0]["clearance"] = "inf";
   wrong["left_out"][0]["answer"] = "somewhere";
   EXPECT_NE(fault_of(wrong).find("left_out/0/answer is a word"), std::string::npos) << fault_of(wrong);
+  for (const json& mask : {json(std::uint64_t{1} << 32), json(-1)}) {
+    wrong = fence_answer();
+    wrong["mask"] = mask;
+    EXPECT_NE(fault_of(wrong).find("mask is out of range"), std::string::npos) << fault_of(wrong);
+  }
 }
 
 TEST_F(ExplainVerb, WhatIsNoQuestionIsRefusedAndNothingIsSent) {
