@@ -2,13 +2,13 @@
 """Writes the events of the public C++ headers for C and Python, and the C interface for Python.
 generate.py BUILD_FOLDER INCLUDE_FOLDER
 
-include/collided/events.h            C: the structs of the events
-client/library/c/lent_events.hpp     C++: an event as its C struct, whose texts are lent
-client/python/collided/_events.py    Python: the events as dataclasses, and how they are read
+include/collided/events.h            C: the struct of a contact event
+client/library/c/event_fields.hpp    C++: the fields of events in JSON, and a contact event as its C struct, whose texts are lent
+client/python/collided/_events.py    Python: the events as dataclasses, with the places of their members in JSON
 client/python/collided/_structs.py   Python: structs, functions and constants of the C interface for ctypes
 
-In C a member has its unit at the end, as in C++, and a time is in nanoseconds. In Python a length or speed has none, the two
-ends of an interval are one tuple, and a code is its word."""
+In C a member has its unit at the end, as in C++, and a time is in nanoseconds. In Python a length or speed has none, and the two
+ends of an interval are one tuple."""
 import collections
 import keyword
 import pathlib
@@ -17,11 +17,14 @@ import sys
 import textwrap
 
 EVENTS = {"Event": "events.hpp", "StandingEvent": "standing.hpp"}
+# The one that C has as a struct too, for reading many at once.
+IN_BULK = "Event"
 WIDTH = 120
 NUMBERS = ("uint8_t", "int32_t", "int64_t", "uint32_t", "uint64_t", "size_t", "double", "float", "char")
 
 Event = collections.namedtuple("Event", "name comment members")
 Member = collections.namedtuple("Member", "type name default comment inner")
+Inner = collections.namedtuple("Inner", "name members")
 
 
 def wrapped(text, first, rest):
@@ -61,7 +64,7 @@ def members_of(name, body, structs):
             kind, inner = member[1].replace("std::", ""), None
             optional = re.fullmatch(r"optional<(\w+)>", kind)
             if optional and optional[1] in structs:
-                kind, inner = "optional", structs[optional[1]]
+                kind, inner = "optional", Inner(optional[1], structs[optional[1]])
             text = " ".join([*comments, *filter(None, [member[4]])])
             for each in member[2].split(", "):
                 yield Member(kind, each, member[3], text, inner)
@@ -83,7 +86,7 @@ def c_members(member, codes):
     if member.type in codes:
         return [f"collided_{snake(codes[member.type])} {member.name}"]
     if member.type == "optional":
-        return [f"int32_t has_{member.name}", *(f"double {member.name}_{part}" for part in member.inner)]
+        return [f"int32_t has_{member.name}", *(f"double {member.name}_{part}" for part in member.inner.members)]
     return [{"bool": "int32_t {}", "string": "const char* {}", "Vec3": "double {}[3]", "chrono::nanoseconds": "int64_t {}_ns",
              "uint32_t": "uint32_t {}", "uint64_t": "uint64_t {}", "double": "double {}"}[member.type].format(member.name)]
 
@@ -97,19 +100,21 @@ def c_struct(event, codes):
 
 
 def events_h(events, codes, _):
-    structs = "\n\n".join(c_struct(event, codes) for event in events)
-    return f"""/* Generated from the C++ headers by client/generate.py. Events of watches; texts are valid until the next call for the
- * watch, in a callback until it returns. */
+    struct = next(c_struct(event, codes) for event in events if event.name == IN_BULK)
+    return f"""/* Generated from the C++ headers by client/generate.py. */
 #ifndef COLLIDED_EVENTS_H
 #define COLLIDED_EVENTS_H
 
 #include <collided/codes.h>
 #include <stdint.h>
 
-{structs}
+{struct}
 
 #endif
 """
+
+
+# ---- C++ -----------------------------------------------------------------------------------------------------------------
 
 
 def lending(member, codes):
@@ -117,30 +122,49 @@ def lending(member, codes):
     if member.type in codes:
         return [f"told.{name} = static_cast<std::int32_t>(event.{name});"]
     if member.type == "optional":
-        parts = [f"if (event.{name}) told.{name}_{part} = event.{name}->{part};" for part in member.inner]
+        parts = [f"if (event.{name}) told.{name}_{part} = event.{name}->{part};" for part in member.inner.members]
         return [f"told.has_{name} = event.{name} ? 1 : 0;", *parts]
     return [{"bool": "told.{0} = event.{0} ? 1 : 0;", "string": "told.{0} = event.{0}.c_str();", "Vec3": "put(event.{0}, told.{0});",
              "chrono::nanoseconds": "told.{0}_ns = event.{0}.count();"}.get(member.type, "told.{0} = event.{0};").format(name)]
 
 
-def lent_events_hpp(events, codes, _):
-    functions = []
-    for event in events:
-        struct = f"collided_{snake(event.name)}"
-        lines = [line for member in event.members for line in lending(member, codes)]
-        functions.append("\n  ".join([f"inline {struct} lent(const {event.name}& event) {{", f"{struct} told{{}};",
-                                      "told.size = sizeof told;", *lines, "return told;"]) + "\n}")
-    body = "\n".join(functions)
+def lent_function(event, codes):
+    struct = f"collided_{snake(event.name)}"
+    lines = [line for member in event.members for line in lending(member, codes)]
+    return "\n  ".join([f"inline {struct} lent(const {event.name}& event) {{", f"{struct} told{{}};",
+                        "told.size = sizeof told;", *lines, "return told;"]) + "\n}"
+
+
+def described(struct, members):
+    named = ", ".join(f"&T::{name}" for name in members)
+    return "\n".join([f"constexpr auto fields_of(const {struct}*) {{", f"  using T = {struct};",
+                      *wrapped(f"return fields<{named}>();", "  ", " " * 16), "}"])
+
+
+def described_event(event):
+    inner = [described(f"{event.name}::{member.inner.name}", member.inner.members) for member in event.members if member.inner]
+    return "\n".join([*inner, described(event.name, [member.name for member in event.members])])
+
+
+def event_fields_hpp(events, codes, _):
+    fields = "\n".join(described_event(event) for event in events)
+    functions = next(lent_function(event, codes) for event in events if event.name == IN_BULK)
     return f"""// Generated from the public headers by client/generate.py.
 #pragma once
 
 #include "client/library/c/values.hpp"
+#include "idl/described_json.hpp"
 
-namespace collided::c {{
+namespace collided {{
 
-{body}
+{fields}
 
-}}  // namespace collided::c
+namespace c {{
+
+{functions}
+
+}}  // namespace c
+}}  // namespace collided
 """
 
 
@@ -151,6 +175,10 @@ def python_name(member):
     """Without the unit of a length, a speed or seconds; nanoseconds keep theirs."""
     name = re.sub(r"_(m|mps|s)$", "", member.name) + ("_ns" if "nanoseconds" in member.type else "")
     return name + "_" if keyword.iskeyword(name) else name
+
+
+def name_in_json(member):
+    return re.sub("_m$", "", member.name) + ("_ns" if "nanoseconds" in member.type else "")
 
 
 def documented(comment, members):
@@ -169,42 +197,40 @@ def documented(comment, members):
     return [*lines, '    """', ""]
 
 
+def python_field(name, hint, metadata):
+    return f"    {name}: {hint}" + (f" = field(metadata={{{', '.join(metadata)}}})" if metadata else "")
+
+
 def python_members(event, codes):
-    """name, annotation, comment, expression; an interval once."""
+    """name, annotation, metadata and comment; an interval once."""
     for member in event.members:
-        name, told = python_name(member), f'getattr(told, "{member.name}")' if keyword.iskeyword(member.name) else f"told.{member.name}"
+        name, in_json, ends = python_name(member), name_in_json(member), []
         if member.name.endswith("_high_s"):
             continue
         if member.name.endswith("_low_s"):
-            both = f"(told.{member.name}, told.{member.name.replace('_low_', '_high_')})"
-            yield name.removesuffix("_low"), "tuple[float, float]", member.comment, both
+            name, hint, in_json = name.removesuffix("_low"), "tuple[float, float]", ""
+            ends = [member.name, member.name.replace("_low_", "_high_")]
         elif member.type in codes:
-            yield name, "str", member.comment, f"word({snake(codes[member.type]).upper()}, {told})"
-        elif member.type == "optional":
-            parts = ", ".join(f"told.{member.name}_{part}" for part in member.inner)
-            hint = f"tuple[{', '.join(['float'] * len(member.inner))}] | None"
-            yield name, hint, member.comment, f"({parts}) if told.has_{member.name} else None"
+            hint = "str"
+        elif member.inner:
+            hint, ends = f"tuple[{', '.join(['float'] * len(member.inner.members))}] | None", member.inner.members
         elif member.default == "kNoTriangle":
-            yield name, "int | None", member.comment, f"None if {told} == NO_TRIANGLE else {told}"
+            hint = "int | None"
         else:
-            hint, value = {"bool": ("bool", "bool({})"), "string": ("str", "text({})"), "double": ("float", "{}"),
-                           "Vec3": ("tuple[float, float, float]", "({0}[0], {0}[1], {0}[2])"),
-                           "chrono::nanoseconds": ("int", "{}_ns")}.get(member.type, ("int", "{}"))
-            yield name, hint, member.comment, value.format(told)
+            hint = {"bool": "bool", "string": "str", "double": "float", "Vec3": "tuple[float, float, float]"}.get(member.type, "int")
+        metadata = [f'"json": "{in_json}"'] if in_json != name else []
+        metadata += [f'"ends": {tuple(ends)}'.replace("'", '"')] if ends else []
+        yield name, hint, metadata, member.comment
 
 
 def events_py(events, codes, _):
-    used = sorted({snake(codes[member.type]).upper() for event in events for member in event.members if member.type in codes})
     lines = ['"""Generated from the C++ headers by client/generate.py: the events of watches."""', "",
-             "from __future__ import annotations", "", "from dataclasses import dataclass", "",
-             f"from ._contract import NO_TRIANGLE, {', '.join(used)}", "from ._library import text, word",
-             f"from ._structs import {', '.join(f'C{event.name}' for event in events)}"]
+             "from __future__ import annotations", "", "from dataclasses import dataclass, field"]
     for event in events:
         members = list(python_members(event, codes))
         lines += ["", "", "@dataclass(frozen=True)", f"class {event.name}:",
-                  *documented(event.comment, [(name, comment) for name, _, comment, _ in members]),
-                  *(f"    {name}: {hint}" for name, hint, _, _ in members), "", "", f"def read_{snake(event.name)}(told: C{event.name}) -> {event.name}:", f"    return {event.name}(",
-                  *(f"        {expression}," for _, _, _, expression in members), "    )"]
+                  *documented(event.comment, [(name, comment) for name, _, _, comment in members]),
+                  *(python_field(name, hint, metadata) for name, hint, metadata, _ in members)]
     return "\n".join([*lines, ""])
 
 
@@ -224,7 +250,7 @@ def ctype_of(declared, structs):
         ctype = "c_char_p" if pointers == 1 else "POINTER(c_char_p)"
     elif pointers == 1 and kind.startswith("collided_") and struct in structs:
         ctype = f"POINTER({class_of(struct)})"
-    elif pointers or kind.endswith("_callback"):
+    elif pointers:
         ctype = "c_void_p"
     elif kind == "void":
         ctype = "None"
@@ -256,7 +282,7 @@ def structs_py(_, __, c_text):
     return "\n".join([*lines, "}", ""])
 
 
-OUTPUTS = {"include/collided/events.h": events_h, "client/library/c/lent_events.hpp": lent_events_hpp,
+OUTPUTS = {"include/collided/events.h": events_h, "client/library/c/event_fields.hpp": event_fields_hpp,
            "client/python/collided/_events.py": events_py, "client/python/collided/_structs.py": structs_py}
 
 

@@ -11,14 +11,14 @@ import pathlib
 import re
 import sys
 
-from generate import bare, codes_in, documented, members_of, python_name, snake, uncommented, write
+from generate import bare, codes_in, documented, members_of, name_in_json, python_field, python_name, snake, write
 
 HEADERS = ("idl/include/collided", "client/include/collided")
-DESCRIPTIONS = ("idl/answers", "client/library/watching")
+DESCRIPTIONS = ("idl/answers", "client/library/watching", "client/library/connection")
 # Arguments, a picture, and answers of which the calls of a Client return the one number that programs use.
 LEFT_OUT = ("LoadOptions", "OutlinedStanding", "Added", "Moved", "Removed", "RuleChanged", "Attached")
-# These come by the C interface: with all their members, or with those of a C struct.
-BY_C = {"Hit": "", "ServerStatus": "collided_status", "VoxelScan": ""}
+# These come by the C interface, with all their members.
+BY_C = ("Hit", "VoxelScan")
 PLAIN = {"bool": "bool", "string": "str", "double": "float", "Vec3": "Vector", "Pose": "Pose", "chrono::nanoseconds": "int",
          "uint32_t": "int", "uint64_t": "int", "size_t": "int"}
 
@@ -42,13 +42,14 @@ def structs_in(text, around=""):
 
 
 def described_in(text):
-    """The names that the described members of each struct have in JSON; None: their own ones."""
+    """The names that the described members of each struct have in JSON; None: their own ones. A time in seconds stands there in
+    nanoseconds as well (client/library/c/client.cpp)."""
     found = {}
     for name, line, lines in re.findall(r"^constexpr auto fields_of\(const ([\w:]+)\*\) \{(?: ([^\n]*) \}|\n(.*?)^\})$", text,
                                         re.MULTILINE | re.DOTALL):
         named = {}
         for name_in_json, member, kind, members in re.findall(
-                r'\bfield(?:_if<[^"]*?>)?\("(\w+)", &\w+::(\w+)|\b(fields|fields_if|unless_default)<([^()]*?)>\(', line or " ".join(lines.split())):
+                r'\bfield(?:_if<[^"]*?>)?\("(\w+)", &\w+::(\w+)|\b(fields|fields_if|unless_default|in_seconds)<([^()]*?)>\(', line or " ".join(lines.split())):
             if kind == "fields_if":
                 members = members.partition(", ")[2]
             named.update({member: name_in_json} if member else dict.fromkeys(re.findall(r"::(\w+)", members)))
@@ -100,9 +101,8 @@ def fields_of(struct, types, codes, words):
     """name, annotation, metadata and comment of the members. One that is a described answer of its own, and not described as a
     member, stands in the same row."""
     for member in struct.members:
-        own = re.sub("_m$", "", member.name) + ("_ns" if "nanoseconds" in member.type else "")
         if member.name in types.described[struct.name]:
-            in_json = types.described[struct.name][member.name] or own
+            in_json = types.described[struct.name][member.name] or name_in_json(member)
         elif types.struct_of(member.type, struct.name):
             in_json = ""
         else:
@@ -113,7 +113,7 @@ def fields_of(struct, types, codes, words):
         metadata = [f'"json": "{in_json}"'] if in_json != name else []
         if member.type in words and member.type in codes:
             metadata.append(f'"words": dict(zip({words[member.type]}, {snake(codes[member.type]).upper()}))')
-        yield name, hint, ", ".join(metadata), member.comment
+        yield name, hint, metadata, member.comment
 
 
 def class_of(struct, fields):
@@ -122,7 +122,7 @@ def class_of(struct, fields):
     lines = ["", "", "@dataclass(frozen=True)", f"class {class_name(struct.name)}{f'({bases})' if bases else ''}:"]
     lines += documented(struct.comment, [(name, comment) for name, _, _, comment in fields])
     for name, hint, metadata, _ in fields:
-        lines.append(f"    {name}: {hint}" + (f" = field(metadata={{{metadata}}})" if metadata else ""))
+        lines.append(python_field(name, hint, metadata))
     return lines
 
 
@@ -160,11 +160,7 @@ def main(build, sources):
     try:
         structs = {name: structs[name]._replace(members=list(members_of(name, structs[name].members, {})))
                    for name in described if name in structs}
-        c_text = uncommented((sources / "client/include/collided.h").read_text(encoding="utf-8"))
-        for name, c_struct in BY_C.items():
-            in_c = c_text[c_text.index(f"typedef struct {c_struct} {{"):].partition("}")[0] if c_struct else ""
-            described[name] = {member.name: None for member in structs[name].members
-                               if not in_c or re.search(rf" {member.name}(_ns)?(\[\d+\])?;", in_c)}
+        described |= {name: {member.name: None for member in structs[name].members} for name in BY_C}
         words = {kind: f"({listed})" for kind, listed in
                  re.findall(r"kWordsOf<([\w:]+)>\[\] = \{([^}]*)\}", " ".join(descriptions.split()))}
         codes = codes_in("\n".join(headers))

@@ -23,9 +23,8 @@ CPP = {"octet": "std::uint8_t", "boolean": "bool", "double": "double", "long lon
 SUFFIXES = {"unsigned long": "U", "unsigned long long": "U"}
 # What the C interface has. Of the first four the enumerators' own word is dropped in C, too.
 SHORT_IN_C = ("HitMode", "Importance", "InstantKind", "Verdict")
-IN_C = (*SHORT_IN_C, "UndecidedReason", "EndReason", "Doubt", "LostPolicy", "ContactEventKind", "StandingForm",
-        "StandingEventKind", "Containment", "UnknownCells")
-CONSTANTS_IN_C = ("NO_TRIANGLE", "DETECT_ENTER", "DETECT_EXIT", "DETECT_CROSS")
+IN_C = (*SHORT_IN_C, "UndecidedReason", "EndReason", "Doubt", "ContactEventKind", "Containment")
+CONSTANTS_IN_C = ("NO_TRIANGLE",)
 
 Enumeration = collections.namedtuple("Enumeration", "name comment prefix words")
 Constant = collections.namedtuple("Constant", "name comment kind value")

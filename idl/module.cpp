@@ -45,7 +45,7 @@ void* module_function(const std::string& file, const char* function, const std::
   if (path.empty())
     throw ModuleMissing(purpose + " needs " + file +
                         ", which is not in " COLLIDED_FULL_LIBDIR
-                        "/collided; the package libcollided1 has it, unless its build leaves it out");
+                        "/collided; the package libcollided2 has it, unless its build leaves it out");
   void* const loaded = dlopen(path.c_str(), RTLD_NOW | RTLD_LOCAL);
   void* const found = loaded == nullptr ? nullptr : dlsym(loaded, function);
   if (found == nullptr) {

@@ -4,7 +4,7 @@ every byte.
 
 usage: wheel.py FOLDER
 
-The wheel has Python only: the client library, libcollided_client.so.1, comes from its own package. Modules that are generated
+The wheel has Python only: the client library, libcollided_client.so.2, comes from its own package. Modules that are generated
 from the headers are made anew from the sources around this file, so no build tree is needed.
 """
 

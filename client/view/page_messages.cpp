@@ -1,5 +1,5 @@
 #include "client/view/page_messages.hpp"
-#include "client/view/described_status.hpp"
+#include "client/library/connection/described_status.hpp"
 #include "client/view/json_text.hpp"
 #include "idl/described_json.hpp"
 

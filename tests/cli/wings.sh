@@ -47,7 +47,7 @@ grep -qF "unless this build leaves it out" "$scratch/said" || fail "no remedy: $
 expect 2 "error: watch: --post needs collided-http.so, which is not in " "$scratch/alone/collide" watch --post http://127.0.0.1:1/
 
 build=$(dirname "$collide")/../..
-for file in "$collide" "$build/client/libcollided_client.so.1" "$build/server/collided"; do
+for file in "$collide" "$build/client/libcollided_client.so.2" "$build/server/collided"; do
   [[ -e $file ]] || continue
   needed=$(readelf -d "$file" | grep NEEDED)
   for library in png curl edit crypto; do

@@ -476,7 +476,7 @@ class World(WithServer):
         self.client.add("py_walker", collided.Sphere(0.5), (502, 50, 0))
         self.client.add_nearest("py_light", "py_lamp_*", "py_walker", 20)
         self.client.add_nearest("py_corner", "py_lamp_*", (511, 50, 0), 20)
-        with self.client.watch_standing("py_light") as watch:
+        with self.client.watch_standing("py_light", capacity=1000) as watch:
             until = time.monotonic() + 20
             while not watch.in_step and time.monotonic() < until:
                 time.sleep(0.01)
@@ -714,6 +714,56 @@ class World(WithServer):
         finally:
             self.client.remove("py_hand")
             self.client.remove("py_crate")
+
+    def test_a_robot_is_moved_by_its_joints(self):
+        arm = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "deploy", "examples", "arm.urdf")
+        self.client.load(os.path.abspath(arm), name="py_arm", moving=True)
+
+        def hand():
+            publisher.flush()
+            publisher.wait_applied()
+            return self.client.get("py_arm/hand").position
+
+        with self.client.publish("py_joints") as publisher:
+            robot = publisher.robot(arm, scene="py_arm", position=(1100, 0, 0), joints={"shoulder": 0.5})
+            self.assertAlmostEqual(hand()[0], 1100 + 0.9 * math.sin(0.5), delta=1e-9)
+            self.assertEqual(robot.set_joints({"shoulder": 0}, teleport=True), [])
+            robot.set_base((1101, 0, 0))
+            self.assertAlmostEqual(hand()[0], 1101, delta=1e-9)
+            for wrong in ({"sholder": 1}, {"elbow": 3}, {"elbow": math.nan}):
+                with self.assertRaises(collided.BadInput):
+                    robot.set_joints(wrong)
+            robot.close()
+
+    def test_a_what_if_sees_filtered_pairs_and_a_question_unknown_objects_where_asked(self):
+        for name, x in (("py_twin_a", 1200), ("py_twin_b", 1210)):
+            self.client.add(name, collided.Sphere(0.5), (x, 0, 0), group=7)
+        self.addCleanup(self.client.remove, "py_twin_*")
+        close = ["py_twin_b"], [[1200.5, 0, 0, 1, 0, 0, 0]], "py_twin_a"
+        self.assertFalse(self.client.what_if(*close)[0])
+        self.assertTrue(self.client.what_if(*close, with_filtered=True)[0])
+        with self.client.publish("py_fog") as publisher:
+            publisher.add("py_fog", collided.Box((1, 1, 1)), (1220, 0, 0), unknown=True)
+            publisher.flush()
+            publisher.wait_applied()
+            self.assertEqual(self.client.ray((1220, 0, 5), (0, 0, -1)).reason, "not_covered")
+        with collided.connect(domain=DOMAIN, replicas=False, wait_is_limit=True) as alone:
+            self.assertEqual(alone.status().pid, self.client.status().pid)
+
+    def test_a_watch_follows_the_readings_of_a_probe(self):
+        self.client.add("py_ground", collided.Sphere(0.5), (1150, 0, 0))
+        self.client.add("py_flyer", collided.Sphere(0.5), (1150, 0, 8))
+        self.addCleanup(self.client.remove, "py_[gf]*")
+        self.addCleanup(self.client.remove_probes, "py_height")
+        with self.client.watch_probes("py_height") as watch:
+            self.client.add_probe("py_height", "py_flyer")
+            self.client.move("py_flyer", (1150, 0, 5))
+            reading = watch.next(20)
+            while reading is not None and abs(reading.clearance - 4.5) > 1e-9:
+                reading = watch.next(20)
+        self.assertIsNotNone(reading)
+        self.assertEqual((reading.probe, reading.object, reading.met, reading.triangle), ("py_height", "py_flyer", "py_ground", None))
+        self.assertEqual(reading.epoch, self.client.status().epoch)
 
     def test_a_publisher_s_mesh_is_solid_where_it_closes(self):
         corners = [[0, 0, 0], [3, 0, 0], [0, 3, 0], [0, 0, 3]]

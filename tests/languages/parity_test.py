@@ -16,8 +16,8 @@ from collided import _asking
 
 # ---- exceptions ----------------------------------------------------------------------------------------------------------
 
-# Structs that come by the C interface, and not as JSON.
-NOT_DESCRIBED = {"Answer", "Answers", "Event", "Hit", "RecordedStandingEvents", "PublisherReport", "ServerStatus", "StandingEvent", "VoxelScan"}
+# Structs that the C interface describes, or has as such.
+NOT_DESCRIBED = {"Answer", "Answers", "Event", "Hit", "RecordedStandingEvents", "PublisherReport", "StandingEvent", "VoxelScan"}
 # Structs without a class of their own.
 NO_CLASS = {
     "Added", "Moved", "Removed", "RuleChanged", "Attached",  # the call returns the number that programs use
@@ -29,37 +29,30 @@ NO_MEMBER = {
     "Answer": {"cost"},  # the C interface has no columns of it
     "Answers": {"answers", "server"},  # the answers are its items
     "ObjectDetails": {"bounds"},  # command("get") has them with null for a side without end
-    "ProbeReading": {"epoch", "version", "world_time"},  # of the state that all readings are about: command("probes")
-    "ServerStatus": {"scenes", "last_event_sequence", "publishers", "age"},  # the C struct has no lists
 }
-# Options that Python lacks: the C functions have no place for them.
+# Options that Python lacks.
 NO_OPTION = {
-    "ConnectOptions": {"replicas", "wait_is_limit"},
-    "StandingWatchOptions": {"capacity"},
-    "ObjectOptions": {"unknown"},
-    "ClearanceOptions": {"progress"},
-    "WhatIfOptions": {"with_filtered"},
-    "VoxelOptions": {"clearing_delay"},
+    "ClearanceOptions": {"progress"},  # a function that the library calls
 }
-# Options of calls that Python lacks: replay, robots, shapes and shards are for programs in C++.
-NO_CALL_WITH = {"ReplayOptions", "PublishedRobotOptions", "ShapesOptions", "ShardSplitOptions"}
+# Options of calls that Python lacks: replay, pictures, shapes and shards are for programs in C++.
+NO_CALL_WITH = {"ReplayOptions", "PictureOptions", "ShapesOptions", "ShardSplitOptions"}
 # Calls that the C interface lacks. command_with_bytes and upload take bytes, ask_async is a thread of the caller's own in Python.
 NO_CALL = {
-    "Client": {"sweep", "watch_probes", "shapes", "poses", "command_with_bytes", "upload", "strangers", "ask_async"},
+    "Client": {"sweep", "shapes", "poses", "command_with_bytes", "upload", "strangers", "ask_async"},
     "Publisher": {"reshape"},
 }
-# Functions that the C interface lacks: of recordings, of the fleet, of robots, and the check of a proof.
+# Functions that the C interface lacks: of recordings, of the fleet, of robots' links, and the check of a proof.
 NO_FUNCTION = {
-    "record", "fetch_recording", "recorded_events", "replay", "diagnose", "fleet", "fleet_findings", "split_shard", "robot_objects",
-    "what_if", "proves",
+    "record", "fetch_recording", "recorded_events", "recorded_picture", "replay", "diagnose", "fleet", "fleet_findings", "split_shard",
+    "robot_objects", "what_if", "proves",
 }
 # Commands that have no call of their own and are sent by command().
 COMMAND_ALONE = {
     "audit", "menu", "figures", "steps", "recording", "covers", "accept_loss", "sampled", "handover", "settled", "shard",
     "succession",
 }
-# Commands whose calls go by functions of the C interface, which the library checks against the table.
-BY_C = {"add", "move", "remove", "attach", "detach", "allow", "deny", "fence", "left_out"}
+# A command that the library sends for Publisher.report().
+BY_C = {"left_out"}
 # Their answers or questions are bytes, for which C has no function.
 BYTES = {"shapes", "surface", "more", "poses", "upload", "piece"}
 # Arguments that the calls of Python do not send.
@@ -67,11 +60,13 @@ NO_ARGUMENT = {
     "load": {"foreign", "crc32", "upload"},  # the library's own
     "list": {"bounds"},
     "fences": {"limit", "outlines", "lines"},
+    "fence": {"prism", "many"},  # the shape goes as parts
+    "attach": {"pose"},  # C++ lacks it as well
     "clearance": {"progress"},
 }
 # Names of C++ in Python.
 RENAMED = {
-    "lost_policy": "lost", "pose": "position", "solid_by_winding": "solid", "with_clearance": "clearance", "from": "from_ns",
+    "lost_policy": "lost", "pose": "position", "base": "position", "solid_by_winding": "solid", "with_clearance": "clearance", "from": "from_ns",
     "since": "since_ns", "bracket_low": "bracket", "bracket_high": "bracket", "left_low": "left", "left_high": "left",
     "library_version": "version",
 }
@@ -91,6 +86,7 @@ OPTIONS = {
     "PublishOptions": [collided.Client.publish],
     "ObjectOptions": [collided.Publisher.add],
     "VoxelOptions": [collided.Publisher.voxels],
+    "PublishedRobotOptions": [collided.Publisher.robot],
     "LoadOptions": [collided.Client.load],
     "ClearOptions": [collided.Client.clear],
     "ListOptions": [collided.Client.list],
@@ -114,6 +110,18 @@ SENT = [
     lambda c: c.explain_standing("a"),
     lambda c: c.explain_event(2),
     lambda c: c.standing("a", "region"),
+    lambda c: c.add("a", collided.Sphere(1), solid="winding"),
+    lambda c: c.move("a", (0, 0, 1)),
+    lambda c: c.remove("a"),
+    lambda c: c.attach("a", "b"),
+    lambda c: c.detach("a"),
+    lambda c: c.allow("a", "b", "c"),
+    lambda c: c.deny("a", "b"),
+    lambda c: c.add_region("a", collided.Sphere(1), to="b", only="c", skip="d"),
+    lambda c: c.add_bands("a", "b", "c", (1, 2), skip="d"),
+    lambda c: c.add_nearest("a", "b", "c", 1),
+    lambda c: c.add_nearest("a", "b", (0, 0, 1), 1),
+    lambda c: c.remove_standing("a", "region"),
 ]
 
 
@@ -125,9 +133,9 @@ class Recorder(collided.Client):
     def __init__(self):
         self.commands = []
 
-    def command(self, name, /, timeout=10.0, **arguments):
+    def _command(self, name, arguments, timeout=10.0, parts=None):
         self.commands.append((name, set(arguments)))
-        return {"rules": [], "probes": [], "standing": []}
+        return {"rules": [], "probes": [], "standing": [], "ended": 0, "began": 0, "id": 1, "removed": [] if name == "remove" else 0}
 
 
 def commands_sent():
@@ -245,7 +253,7 @@ PLANTED = [
     ("struct Event {\n", "struct Event {\n  std::chrono::nanoseconds planted{0};\n", "Event: Python lacks planted"),
     ("struct ClearanceOptions {\n", "struct ClearanceOptions {\n  bool planted = false;\n", "ClearanceOptions: Python lacks planted"),
     ("struct ListOptions {\n", "struct PlantedOptions {\n};\nstruct ListOptions {\n", "options: Python lacks PlantedOptions"),
-    ("struct ServerStatus {\n", "struct ServerStatus {\n};\nstruct Other {\n", "ServerStatus: the exception age is not needed"),
+    ("struct ClearanceOptions {\n", "struct ClearanceOptions {\n};\nstruct Other {\n", "ClearanceOptions: the exception progress is not needed"),
     ("    {kGet, ask,", "    {kTakeOver, ask, nothing, all},\n    {kGet, ask,", "commands: Python lacks take_over"),
     ('kPair[]{{"a", text},', 'kPair[]{{"planted", text},', "pair: the server does not know ['a']"),
     ('kGet[]{{"name", text}};', 'kGet[]{{"name", text}, {"planted", truth}};', "get: Python lacks planted"),
@@ -260,7 +268,8 @@ def main(sources):
         return "\n".join(path.read_text(encoding="utf-8") for pattern in patterns for path in sorted(sources.glob(pattern)))
 
     # Structs that idl/answers has itself are the command line's; command() has them in Python.
-    described = re.findall(r"fields_of\(const \w+\*\)", text_of("idl/answers/*.hpp", "client/library/watching/probes.cpp"))
+    described = re.findall(r"fields_of\(const \w+\*\)", text_of("idl/answers/*.hpp", "client/library/watching/probes.hpp",
+                                                                           "client/library/connection/described_status.hpp"))
     headers = text_of("client/include/collided/*.hpp", "idl/include/collided/*.hpp", "idl/command_table.hpp", "idl/commands.hpp")
     text = "\n".join([*described, re.sub(r"//[^\n]*", "", headers)])
     found = faults(text)

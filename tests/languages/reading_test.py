@@ -41,6 +41,20 @@ class Reading(unittest.TestCase):
         (box,) = read(collided.Loaded, {"covers": [["-inf", 0, 0, "inf", 1, 2]]}).covers
         self.assertEqual((box.low, box.high), ((-math.inf, 0, 0), (math.inf, 1, 2)))
 
+    def test_the_two_ends_of_an_interval_are_one_tuple(self):
+        row = {"kind": "within", "closing_mps": 2, "left_low_s": 0.5, "left_high_s": 0.25, "contact_in": {"low_s": 1, "high_s": "inf"}}
+        event = read(collided.StandingEvent, row)
+        self.assertEqual((event.left, event.contact_in, event.closing), ((0.5, 0.25), (1, math.inf), 2))
+        self.assertEqual((event.bracket, read(collided.StandingEvent, {}).contact_in), ((0, 0), None))
+        self.assertEqual(read(collided.Event, {"a_triangle": 0xFFFFFFFF, "b_triangle": 3}).b_triangle, 3)
+
+    def test_a_status_has_its_times_in_nanoseconds_and_its_publishers(self):
+        row = {"namespace": "cell", "world": 7, "age": 0.5, "age_ns": 500_000_000,
+               "publishers": [{"name": "arm", "silent": 0.25, "silent_ns": 250_000_000, "lost": True}]}
+        status = read(collided.ServerStatus, row)
+        self.assertEqual((status.name_space, status.version, status.age_ns), ("cell", 7, 500_000_000))
+        self.assertEqual(status.publishers, (collided.PublisherInfo("arm", 0, 250_000_000, True),))
+
     def test_an_explained_pair_holds_the_answer_that_its_row_also_has(self):
         why = read(collided.ExplainedPair, {"answer": "hit", "depth": 0.5, "why_not": ["x"], "nearest": {"distance": "inf"}})
         self.assertEqual((why.answer.depth, why.why_not, why.nearest.distance), (0.5, ("x",), math.inf))

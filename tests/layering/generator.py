@@ -108,7 +108,9 @@ LENDING = {
         "  /* why */\n  collided_end_reason reason;\n  /* Two lines before it are one. */\n  int32_t resync;\n  const char* from;\n",
         "  int32_t has_contact_in;\n  double contact_in_low_s;\n  double contact_in_high_s;\n} collided_event;\n",
     ],
-    "client/library/c/lent_events.hpp": [
+    "client/library/c/event_fields.hpp": [
+        "constexpr auto fields_of(const Event::Forecast*) {\n  using T = Event::Forecast;\n  return fields<&T::low_s, &T::high_s>();\n}\n",
+        "constexpr auto fields_of(const Event*) {\n  using T = Event;\n  return fields<&T::kind, &T::reason, &T::resync, &T::from, ",
         "inline collided_event lent(const Event& event) {\n  collided_event told{};\n  told.size = sizeof told;\n"
         "  told.kind = static_cast<std::int32_t>(event.kind);\n",
         "  told.from = event.from.c_str();\n",
@@ -119,13 +121,9 @@ LENDING = {
     "client/python/collided/_events.py": [
         '    """News of a course.\n\n    kind\n    reason         why\n    resync         Two lines before it are one.\n'
         "    from_\n    a_id\n    a_triangle\n    world_time_ns  of the step\n    bracket        between these\n    depth\n",
-        "    resync: bool\n    from_: str\n    a_id: int\n    a_triangle: int | None\n    world_time_ns: int\n"
-        "    bracket: tuple[float, float]\n    depth: float\n",
-        "        word(COURSE_EVENT_KIND, told.kind),\n",
-        '        text(getattr(told, "from")),\n',
-        "        None if told.a_triangle == NO_TRIANGLE else told.a_triangle,\n",
-        "        (told.bracket_low_s, told.bracket_high_s),\n        told.depth_m,\n",
-        "        (told.contact_in_low_s, told.contact_in_high_s) if told.has_contact_in else None,\n",
+        '    resync: bool\n    from_: str = field(metadata={"json": "from"})\n    a_id: int\n    a_triangle: int | None\n    world_time_ns: int\n'
+        '    bracket: tuple[float, float] = field(metadata={"json": "", "ends": ("bracket_low_s", "bracket_high_s")})\n    depth: float\n',
+        '    contact_in: tuple[float, float] | None = field(metadata={"ends": ("low_s", "high_s")})\n',
     ],
     "client/python/collided/_structs.py": [
         "OK = 0\nBAD = 2\n",
@@ -226,7 +224,7 @@ def lending_faults(generate):
 
 
 def answer_faults(generate):
-    generate.BY_C, generate.DESCRIPTIONS = {}, ("idl/answers",)
+    generate.BY_C, generate.DESCRIPTIONS = (), ("idl/answers",)
     with tempfile.TemporaryDirectory() as folder:
         build = pathlib.Path(folder)
         header, description = build / "idl/include/collided/ride.hpp", build / "idl/answers/ride.hpp"

@@ -140,10 +140,10 @@ server=
 rm "$clean/tmp/one.obj"
 echo "installed, asked: $answer"
 
-as_dpkg --remove collide collided python3-collided libcollided-dev libcollided1
+as_dpkg --remove collide collided python3-collided libcollided-dev libcollided2
 [[ -e $clean/etc/collided/collided.toml && ! -e $clean/usr/bin/collided ]] ||
   fail "removing does not leave just the configuration"
-as_dpkg --purge collide collided python3-collided libcollided-dev libcollided1
+as_dpkg --purge collide collided python3-collided libcollided-dev libcollided2
 contents >"$work/after"
 diff "$work/before" "$work/after" || fail "purging leaves the files above"
 ! dpkg-query --admindir="$database" -W 'collide*' 'libcollided*' 2>/dev/null | grep . || fail "dpkg still knows them"

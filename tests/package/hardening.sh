@@ -6,7 +6,7 @@ set -euo pipefail
 build=${1:?BUILD}
 bad=0
 for file in server/collided server/collided-import server/collided-files server/collided-opinion server/collided-handshake.so lib/collided/collided-{http,keys}.so \
-  client/cli/collide client/cli/collide-{draw,fleet,keys,ros,shell,view} client/libcollided_client.so.1; do
+  client/cli/collide client/cli/collide-{draw,fleet,keys,ros,shell,view} client/libcollided_client.so.2; do
   [[ -e $build/$file ]] || continue  # without FCL there is no opinion
   header=$(readelf -hW "$build/$file") segments=$(readelf -lW "$build/$file") dynamic=$(readelf -dW "$build/$file")
   symbols=$(readelf -sW "$build/$file")

@@ -63,8 +63,8 @@ ${lib#"$prefix"/}/cmake/Collided/CollidedConfig.cmake
 ${lib#"$prefix"/}/pkgconfig/collided.pc
 ${lib#"$prefix"/}/collided/collided-http.so
 ${lib#"$prefix"/}/collided/collided-keys.so
-${lib#"$prefix"/}/libcollided_client.so.1
-${lib#"$prefix"/}/libcollided_vcollide.so.1
+${lib#"$prefix"/}/libcollided_client.so.2
+${lib#"$prefix"/}/libcollided_vcollide.so.2
 END
 # A debugger's data may know it; not what is read when programs run and others are built.
 grep -rlIF "$build" "$prefix" && fail "the files above know the build tree"

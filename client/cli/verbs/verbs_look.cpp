@@ -7,7 +7,7 @@
 #include "client/cli/output/described_record.hpp"
 #include "client/cli/output/figure_text.hpp"
 #include "client/cli/server_command.hpp"
-#include "client/view/described_status.hpp"
+#include "client/library/connection/described_status.hpp"
 #include "idl/answers/commands.hpp"
 #include "idl/commands.hpp"
 #include "client/cli/output/readable.hpp"

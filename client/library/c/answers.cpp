@@ -1,43 +1,43 @@
-#include <cmath>
+#include <algorithm>
 #include <limits>
+#include <memory>
+#include <utility>
 #include <vector>
 
-#include "client/library/c/answers.hpp"
-#include "client/library/c/values.hpp"
+#include "client/library/c/options.hpp"
 
 using namespace collided;
 using namespace collided::c;
 
+/// Answers, and where the hits of each question begin.
+struct collided_answers {
+  Answers answers;
+  std::vector<std::size_t> first_hit;  // number of each question's first hit; one more at the end: of all hits
+
+  void take(Answers&& given) {
+    answers = std::move(given);
+    first_hit.assign(1, 0);
+    first_hit.reserve(answers.answers.size() + 1);
+    for (const Answer& answer : answers.answers) first_hit.push_back(first_hit.back() + answer.hits.size());
+  }
+};
+
 namespace {
 
-constexpr double kUnlimited = std::numeric_limits<double>::infinity();
-
-template <Question Q>
-Result<void> ask(collided_client* client, const std::vector<Q>& questions, const collided_ask_options* options,
-                 collided_answers** answers) {
-  std::unique_ptr<collided_answers> kept(*answers);
-  *answers = nullptr;
+/// Makes a question of each row and asks them. The memory of earlier answers is used again.
+template <std::size_t kWidth, class Make>
+Result<void> ask_rows(collided_client* client, const double* rows, std::size_t count,
+                      const collided_ask_options* options, collided_answers** answers, const Make& make) {
+  std::vector<decltype(make(rows))> questions;
+  questions.reserve(count);
+  for (std::size_t i = 0; i < count; ++i) questions.push_back(make(rows + kWidth * i));
+  std::unique_ptr<collided_answers> kept(std::exchange(*answers, nullptr));
   if (!kept) kept = std::make_unique<collided_answers>();
   Result<Answers> said = client->client.ask(questions, ask_options(options), std::move(kept->answers));
   if (!said) return said.error();
   kept->take(std::move(*said));
   *answers = kept.release();
   return {};
-}
-
-/// Makes the questions by `make` and asks them.
-template <class Make>
-int ask_rows(collided_client* client, std::size_t count, bool has_rows, const Make& make,
-             const collided_ask_options* options, collided_answers** answers, collided_error* error) {
-  return guarded(error, [&]() -> Result<void> {
-    if (!client) return missing("client");
-    if (!answers) return missing("answers");
-    if (count > 0 && !has_rows) return missing("an array of numbers");
-    std::vector<decltype(make(0))> questions;
-    questions.reserve(count);
-    for (std::size_t i = 0; i < count; ++i) questions.push_back(make(i));
-    return ask(client, questions, options, answers);
-  });
 }
 
 /// Where the columns of one hit go.
@@ -78,52 +78,122 @@ Hit no_hit() {
   return hit;
 }
 
+// ---- configurations ------------------------------------------------------------------------------------------------
+
+/// The two hits by which collided.h reports a pair.
+void put_pair(const ClearancePair& pair, Answer& answer) {
+  Hit& a = answer.hits.emplace_back();
+  a.object = pair.a;
+  a.object_id = pair.a_id;
+  a.triangle = pair.a_triangle;
+  a.distance_m = pair.clearance_m;
+  a.error_m = pair.error_m;
+  a.point = pair.on_a;
+  a.point_error_m = pair.point_error_m;
+  a.normal = pair.normal;
+  a.inside = pair.contained == Containment::a_in_b;
+  a.stale = pair.stale;
+  Hit b = a;
+  b.object = pair.b;
+  b.object_id = pair.b_id;
+  b.triangle = pair.b_triangle;
+  b.point = pair.on_b;
+  b.inside = pair.contained == Containment::b_in_a;
+  answer.hits.push_back(std::move(b));
+}
+
+Answers what_if_answers(const WhatIfAnswers& said) {
+  Answers made;
+  made.version = said.version;
+  made.world_time = said.world_time;
+  made.compute = said.compute;
+  for (const ConfigurationAnswer& one : said.configurations) {
+    Answer& answer = made.answers.emplace_back();
+    answer.verdict = one.verdict;
+    answer.reason = one.reason;
+    if (one.nearest) put_pair(*one.nearest, answer);
+  }
+  return made;
+}
+
+/// collided_ask_options have a default timeout of their own.
+WhatIfOptions what_if_options(const collided_ask_options* options, const ImaginedObjects& imagined) {
+  const AskOptions asked = ask_options(options);
+  WhatIfOptions how{.against = asked.only,
+                    .skip = asked.skip,
+                    .mask = asked.mask,
+                    .with_clearance = asked.mode != HitMode::any,
+                    .nearer_m = imagined.nearer_m,
+                    .with_filtered = imagined.with_filtered,
+                    .as_of = asked.as_of,
+                    .importance = asked.importance,
+                    .fresh = asked.fresh,
+                    .deadline = asked.deadline};
+  if (taken(options).timeout_ns != 0) how.timeout = asked.timeout;
+  for (const std::vector<std::string>& pair : imagined.attached) how.attached.emplace_back(pair.front(), pair.back());
+  return how;
+}
+
 }  // namespace
 
 extern "C" {
 
-int collided_ask_rays(collided_client* client, size_t count, const double* origins, const double* directions,
-                      const double* lengths_m, const collided_ask_options* options, collided_answers** answers,
-                      collided_error* error) {
-  const auto make = [&](std::size_t i) {
-    return RayQuestion{.origin = vector(origins + 3 * i),
-                       .direction = vector(directions + 3 * i),
-                       .length_m = lengths_m ? lengths_m[i] : kUnlimited};
-  };
-  return ask_rows(client, count, origins && directions, make, options, answers, error);
+int collided_ask(collided_client* client, collided_question kind, const double* rows, size_t count,
+                 const collided_ask_options* options, collided_answers** answers, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    if (!answers) return missing("answers");
+    if (count > 0 && !rows) return missing("an array of numbers");
+    const auto ask = [&]<std::size_t kWidth>(const auto& make) {
+      return ask_rows<kWidth>(client, rows, count, options, answers, make);
+    };
+    switch (kind) {
+      case COLLIDED_ASK_RAYS:
+        return ask.operator()<7>([](const double* row) {
+          return RayQuestion{.origin = vector(row), .direction = vector(row + 3), .length_m = row[6]};
+        });
+      case COLLIDED_ASK_SPHERES:
+        return ask.operator()<4>(
+            [](const double* row) { return SphereQuestion{.center = vector(row), .radius_m = row[3]}; });
+      case COLLIDED_ASK_BOXES:
+        return ask.operator()<10>([](const double* row) {
+          return BoxQuestion{.center = vector(row), .half_m = vector(row + 3), .rotation = rotation(row + 6)};
+        });
+      case COLLIDED_ASK_NEAREST:
+        return ask.operator()<4>(
+            [](const double* row) { return NearQuestion{.point = vector(row), .within_m = row[3]}; });
+      case COLLIDED_ASK_INSIDE:
+        return ask.operator()<3>([](const double* row) { return InsideQuestion{.point = vector(row)}; });
+      default: return unknown_kind("question", kind, 4);
+    }
+  });
 }
 
-int collided_ask_spheres(collided_client* client, size_t count, const double* centers, const double* radii_m,
-                         const collided_ask_options* options, collided_answers** answers, collided_error* error) {
-  const auto make = [&](std::size_t i) {
-    return SphereQuestion{.center = vector(centers + 3 * i), .radius_m = radii_m[i]};
-  };
-  return ask_rows(client, count, centers && radii_m, make, options, answers, error);
-}
-
-int collided_ask_boxes(collided_client* client, size_t count, const double* centers, const double* half_m,
-                       const double* orientations, const collided_ask_options* options, collided_answers** answers,
-                       collided_error* error) {
-  const auto make = [&](std::size_t i) {
-    return BoxQuestion{.center = vector(centers + 3 * i),
-                       .half_m = vector(half_m + 3 * i),
-                       .rotation = rotation(orientations ? orientations + 4 * i : nullptr)};
-  };
-  return ask_rows(client, count, centers && half_m, make, options, answers, error);
-}
-
-int collided_ask_nearest(collided_client* client, size_t count, const double* points, const double* within_m,
-                         const collided_ask_options* options, collided_answers** answers, collided_error* error) {
-  const auto make = [&](std::size_t i) {
-    return NearQuestion{.point = vector(points + 3 * i), .within_m = within_m ? within_m[i] : kUnlimited};
-  };
-  return ask_rows(client, count, points != nullptr, make, options, answers, error);
-}
-
-int collided_ask_inside(collided_client* client, size_t count, const double* points,
-                        const collided_ask_options* options, collided_answers** answers, collided_error* error) {
-  const auto make = [&](std::size_t i) { return InsideQuestion{.point = vector(points + 3 * i)}; };
-  return ask_rows(client, count, points != nullptr, make, options, answers, error);
+int collided_what_if(collided_client* client, const char* objects, const double* poses, size_t count,
+                     const collided_ask_options* options, collided_answers** answers, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    if (!answers) return missing("answers");
+    Result<ImaginedObjects> imagined = options_of<ImaginedObjects>(objects, "what-if");
+    if (!imagined) return imagined.error();
+    if (count * imagined->objects.size() > 0 && !poses) return missing("an array of numbers");
+    for (const std::vector<std::string>& pair : imagined->attached) {
+      if (pair.size() != 2)
+        return Error{ErrorCode::bad_input, "what-if: attached: " + std::to_string(pair.size()) + " names; allowed 2",
+                     "nothing was sent"};
+    }
+    const WhatIfOptions how = what_if_options(options, *imagined);
+    WhatIfConfigurations made{.objects = std::move(imagined->objects), .poses = {}};
+    for (std::size_t i = 0; i < count * made.objects.size(); ++i)
+      made.poses.push_back({.position = vector(poses + 7 * i), .rotation = rotation(poses + 7 * i + 3)});
+    delete std::exchange(*answers, nullptr);
+    const Result<WhatIfAnswers> said = client->client.what_if(made, how);
+    if (!said) return said.error();
+    auto kept = std::make_unique<collided_answers>();
+    kept->take(what_if_answers(*said));
+    *answers = kept.release();
+    return {};
+  });
 }
 
 void collided_free_answers(collided_answers* answers) { delete answers; }

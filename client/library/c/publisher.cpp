@@ -1,49 +1,27 @@
-#include "client/library/c/publisher.hpp"
+#include <utility>
+#include <vector>
+
+#include "client/library/c/options.hpp"
 
 using namespace collided;
 using namespace collided::c;
 
-namespace {
-
-collided_publish_options default_publish_options() {
-  const PublishOptions defaults;
-  collided_publish_options options{};
-  options.lease_ns = defaults.lease.count();
-  options.gap_ns = defaults.gap.count();
-  return options;
-}
-
-}  // namespace
+struct collided_robot {
+  Publisher* publisher;
+  PublishedRobot robot;
+};
 
 extern "C" {
 
-int collided_publish(collided_client* client, const char* name, collided_publisher** publisher, collided_error* error) {
-  return collided_publish_leased(client, name, 0, publisher, error);
-}
-
-int collided_publish_leased(collided_client* client, const char* name, int64_t lease_ns, collided_publisher** publisher,
-                            collided_error* error) {
-  collided_publish_options options = default_publish_options();
-  options.size = sizeof options;
-  if (lease_ns != 0) options.lease_ns = lease_ns;
-  return collided_publish_with(client, name, &options, publisher, error);
-}
-
-void collided_publish_defaults(collided_publish_options* options, uint32_t size) {
-  if (!options) return;
-  options->size = size;
-  give(default_publish_options(), options);
-}
-
-int collided_publish_with(collided_client* client, const char* name, const collided_publish_options* options,
-                          collided_publisher** publisher, collided_error* error) {
+int collided_publish(collided_client* client, const char* name, const char* options, collided_publisher** publisher,
+                     collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!client) return missing("client");
     if (!publisher) return missing("publisher");
     *publisher = nullptr;
-    const collided_publish_options asked = taken(options, default_publish_options());
-    Result<Publisher> made = client->client.publish(
-        text(name), {.lease = std::chrono::nanoseconds(asked.lease_ns), .gap = std::chrono::nanoseconds(asked.gap_ns)});
+    const Result<PublishOptions> asked = options_of<PublishOptions>(options, "publish");
+    if (!asked) return asked.error();
+    Result<Publisher> made = client->client.publish(text(name), *asked);
     if (!made) return made.error();
     *publisher = new collided_publisher{std::move(*made)};
     return {};
@@ -52,33 +30,23 @@ int collided_publish_with(collided_client* client, const char* name, const colli
 
 void collided_publisher_close(collided_publisher* publisher) { delete publisher; }
 
-int collided_publisher_add(collided_publisher* publisher, const collided_object* object, uint32_t* handle,
-                           collided_error* error) {
+int collided_publisher_add(collided_publisher* publisher, const char* object, const collided_part* parts,
+                           size_t part_count, uint32_t* handle, collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!publisher) return missing("publisher");
-    const Result<ObjectOptions> options = object_options(object);
-    if (!options) return options.error();
-    const Result<Publisher::Object> added = publisher->publisher.add(*options);
+    Result<PublishedObject> made = options_of<PublishedObject>(object, "add");
+    if (!made) return made.error();
+    Result<Shape> shape = shape_of(parts, part_count);
+    if (!shape) return shape.error();
+    if (made->claim && !shape->empty())
+      return Error{ErrorCode::bad_input, "claim: object '" + made->name + "' keeps its shape, but parts were given",
+                   "nothing was sent"};
+    made->shape = std::move(*shape);
+    const Result<Publisher::Object> added = made->claim
+                                                ? publisher->publisher.claim(made->name, made->pose, made->lost_policy)
+                                                : publisher->publisher.add(*made);
     if (!added) return added.error();
     if (handle) *handle = *added;
-    return {};
-  });
-}
-
-int collided_publisher_claim(collided_publisher* publisher, const char* name, const double* position,
-                             const double* orientation, collided_lost_policy lost, uint32_t* handle,
-                             collided_error* error) {
-  return guarded(error, [&]() -> Result<void> {
-    if (!publisher) return missing("publisher");
-    if (!position) return missing("position");
-    if (lost < COLLIDED_LOST_REMOVE || lost > COLLIDED_LOST_HOLD)
-      return Error{ErrorCode::bad_input, "lost policy " + std::to_string(lost) + "; allowed 0 to 2",
-                   "nothing was sent"};
-    const Pose pose{vector(position), rotation(orientation)};
-    const Result<Publisher::Object> claimed =
-        publisher->publisher.claim(text(name), pose, static_cast<LostPolicy>(lost));
-    if (!claimed) return claimed.error();
-    if (handle) *handle = *claimed;
     return {};
   });
 }
@@ -123,36 +91,17 @@ int collided_publisher_wait_applied(collided_publisher* publisher, int64_t timeo
   });
 }
 
-int collided_publisher_report(collided_publisher* publisher, int64_t timeout_ns, collided_report* report,
-                              collided_error* error) {
+int collided_publisher_report(collided_publisher* publisher, int64_t timeout_ns, char** report, collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!publisher) return missing("publisher");
-    Result<PublisherReport> found = publisher->publisher.report(std::chrono::nanoseconds(timeout_ns));
+    if (report) *report = nullptr;
+    const Result<PublisherReport> found = publisher->publisher.report(std::chrono::nanoseconds(timeout_ns));
     if (!found) return found.error();
-    publisher->report = std::move(*found);
-    publisher->names.clear();
-    publisher->reasons.clear();
-    for (const PublisherReport::MissingObject& object : publisher->report.left_out) {
-      publisher->names.push_back(object.name.c_str());
-      publisher->reasons.push_back(object.why.c_str());
-    }
-    collided_report told{};
-    told.refused = publisher->report.refused.c_str();
-    told.names = publisher->names.data();
-    told.reasons = publisher->reasons.data();
-    told.name_count = publisher->names.size();
-    told.left_out_count = publisher->report.left_out_count;
-    told.merged_poses = publisher->report.merged_poses;
-    give(told, report);
-    return {};
+    return hand_out_json(*found, report);
   });
 }
 
-int collided_publisher_keep_alive(collided_publisher* publisher, collided_error* error) {
-  return collided_publisher_keep_alive_at(publisher, 0, error);
-}
-
-int collided_publisher_keep_alive_at(collided_publisher* publisher, int64_t source_time_ns, collided_error* error) {
+int collided_publisher_keep_alive(collided_publisher* publisher, int64_t source_time_ns, collided_error* error) {
   return guarded(error, [&]() -> Result<void> {
     if (!publisher) return missing("publisher");
     return publisher->publisher.keep_alive(std::chrono::nanoseconds(source_time_ns));
@@ -162,5 +111,42 @@ int collided_publisher_keep_alive_at(collided_publisher* publisher, int64_t sour
 void collided_publisher_stream(collided_publisher* publisher) {
   if (publisher) publisher->publisher.stream();
 }
+
+// ---- robots ----------------------------------------------------------------------------------------------------------
+
+int collided_robot_claim(collided_client* client, collided_publisher* publisher, const char* options,
+                         collided_robot** robot, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!client) return missing("client");
+    if (!publisher) return missing("publisher");
+    if (!robot) return missing("robot");
+    *robot = nullptr;
+    const Result<ClaimedRobot> asked = options_of<ClaimedRobot>(options, "robot");
+    if (!asked) return asked.error();
+    Result<Robot> read = Robot::read(asked->urdf);
+    if (!read) return read.error();
+    Result<PublishedRobot> made = PublishedRobot::claim(client->client, publisher->publisher, std::move(*read), *asked);
+    if (!made) return made.error();
+    *robot = new collided_robot{&publisher->publisher, std::move(*made)};
+    return {};
+  });
+}
+
+int collided_robot_set(collided_robot* robot, const char* motion, char** warnings, collided_error* error) {
+  return guarded(error, [&]() -> Result<void> {
+    if (!robot) return missing("robot");
+    if (warnings) *warnings = nullptr;
+    const Result<RobotMotion> asked = options_of<RobotMotion>(motion, "robot");
+    if (!asked) return asked.error();
+    const auto set = robot->robot.set_joints(*robot->publisher, asked->joints, asked->teleport);
+    if (!set) return set.error();
+    if (asked->base) {
+      if (Result<void> moved = robot->robot.set_base(*robot->publisher, *asked->base); !moved) return moved;
+    }
+    return hand_out_json(*set, warnings);
+  });
+}
+
+void collided_robot_close(collided_robot* robot) { delete robot; }
 
 }  // extern "C"

@@ -1,4 +1,6 @@
-#include "client/library/c/values.hpp"
+#include <cstdlib>
+
+#include "client/library/c/options.hpp"
 
 namespace collided::c {
 
@@ -40,6 +42,21 @@ Error missing(std::string_view what) {
   return {ErrorCode::bad_input, std::string(what) + " is null", "nothing was sent"};
 }
 
+Error unknown_kind(const std::string& what, std::int32_t kind, std::int32_t last) {
+  return {ErrorCode::bad_input,
+          "a " + what + " of kind " + std::to_string(kind) + "; known are 0 to " + std::to_string(last),
+          "nothing was sent"};
+}
+
+Result<void> hand_out(std::string_view words, char** target) {
+  if (!target) return {};
+  *target = static_cast<char*>(std::malloc(words.size() + 1));
+  if (!*target) return Error{ErrorCode::internal, "no memory for the answer", ""};
+  std::copy_n(words.data(), words.size(), *target);
+  (*target)[words.size()] = 0;
+  return {};
+}
+
 AskOptions ask_options(const collided_ask_options* options) {
   collided_ask_options defaults;
   collided_ask_defaults(&defaults, sizeof defaults);
@@ -64,6 +81,8 @@ AskOptions ask_options(const collided_ask_options* options) {
 extern "C" {
 
 const char* collided_version(void) { return collided::library_version().data(); }
+
+void collided_free_text(char* text) { std::free(text); }
 
 void collided_ask_defaults(collided_ask_options* options, uint32_t size) {
   if (!options) return;

@@ -22,12 +22,15 @@ T taken(const T* given, const T& defaults = {}) {
   return value;
 }
 
-/// Writes as much of `value` as the caller's struct has room for.
+/// Writes as much of `value` as the caller's struct has room for, which is `size` bytes.
 template <class T>
-void give(T value, T* target) {
-  if (!target) return;
-  value.size = target->size;
-  std::memcpy(target, &value, std::min<std::size_t>(target->size, sizeof value));
+void give(T value, void* target, std::uint32_t size) {
+  value.size = size;
+  std::memcpy(target, &value, std::min<std::size_t>(size, sizeof value));
+}
+template <class T>
+void give(const T& value, T* target) {
+  if (target) give(value, target, target->size);
 }
 
 inline std::string text(const char* given) { return given ? given : ""; }
@@ -50,6 +53,8 @@ inline void put(const Vec3& from, double* to) { std::copy_n(from.data(), 3, to);
 /// Fills the caller's error and returns its code.
 int fail(const Error& error, collided_error* target);
 Error missing(std::string_view what);
+/// Error bad_input: a kind of something is a number beyond 0 to `last`.
+Error unknown_kind(const std::string& what, std::int32_t kind, std::int32_t last);
 /// Fills the caller's error with what a call that went well has to report; an empty text: nothing.
 void note(std::string_view text, collided_error* target);
 
@@ -67,10 +72,12 @@ int guarded(collided_error* error, const Call& call) noexcept {
 AskOptions ask_options(const collided_ask_options* options);
 /// Error bad_input for parts that cannot be meant.
 Result<Shape> shape_of(const collided_part* parts, std::size_t part_count);
-Result<ObjectOptions> object_options(const collided_object* object);
 
 }  // namespace collided::c
 
 struct collided_client {
   collided::Client client;
+};
+struct collided_publisher {
+  collided::Publisher publisher;
 };

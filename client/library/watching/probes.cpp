@@ -11,17 +11,7 @@
 #include "idl/commands.hpp"
 #include "idl/glob.hpp"
 
-namespace collided {
-
-/// What `probes` reports of one; the object is not known where it is absent.
-constexpr auto fields_of(const ProbeReading*) {
-  using T = ProbeReading;
-  constexpr auto has_object = [](const T& reading) { return reading.state != Clearance::absent; };
-  return listed(fields<&T::probe, &T::state>(), fields_if<has_object, &T::object>(),
-                fields<&T::clearance_m, &T::error_m, &T::met, &T::triangle, &T::point, &T::normal>());
-}
-
-namespace client {
+namespace collided::client {
 namespace {
 
 constexpr std::chrono::seconds kTimeout{10};
@@ -141,5 +131,4 @@ std::optional<ProbeReading> ProbeReader::next(std::chrono::nanoseconds wait) {
   return reading;
 }
 
-}  // namespace client
-}  // namespace collided
+}  // namespace collided::client

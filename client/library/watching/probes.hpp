@@ -6,6 +6,21 @@
 #include <mutex>
 
 #include "client/library/connection/connection.hpp"
+#include "idl/described.hpp"
+
+namespace collided {
+
+/// What `probes` and a watch report of one; the object is not known where it is absent. The answer of `probes` has what holds
+/// for all readings once.
+constexpr auto fields_of(const ProbeReading*) {
+  using T = ProbeReading;
+  constexpr auto has_object = [](const T& reading) { return reading.state != Clearance::absent; };
+  return listed(fields<&T::probe, &T::state>(), fields_if<has_object, &T::object>(),
+                fields<&T::clearance_m, &T::error_m, &T::met, &T::triangle, &T::point, &T::normal>(),
+                unless_default<&T::epoch, &T::version, &T::world_time>());
+}
+
+}  // namespace collided
 
 namespace collided::client {
 

@@ -9,11 +9,11 @@ connect() makes a Client, whose calls are these:
     questions           rays, spheres, boxes, nearest, inside, ray, sphere, what_if
     two objects         pair, clearance
     why                 explain_ray, explain_pair, explain_standing, explain_event
-    events              watch, watch_standing; recorded_standing_events() reads those of a recording
+    events              watch, watch_standing, watch_probes; recorded_standing_events() reads those of a recording
     standing questions  add_region, add_bands, add_nearest, remove_standing, standing
     the world           add, move, remove, attach, detach, allow, deny, rules, load, clear, list, get, plan
     probes              add_probe, remove_probes, probes
-    own objects         publish makes a Publisher, and Publisher.voxels a grid of cells for scans
+    own objects         publish makes a Publisher; its robot() moves a robot by joints, its voxels() is a grid of cells for scans
     everything else     status, command
 
 Units      metres, world coordinates; quaternions (w, x, y, z); poses (x, y, z, w, x, y, z); times in seconds as float, world
@@ -24,7 +24,7 @@ Answers    frozen dataclasses, whose help has their members
 Arrays     of numpy where it is installed, else of Python; contiguous float64 is not copied
 
 The package lies over the C interface of the client library (collided.h) by ctypes; nothing is compiled. The library is found as
-libcollided_client.so.1 where the system looks, or where the environment variable COLLIDED_LIBRARY points.
+libcollided_client.so.2 where the system looks, or where the environment variable COLLIDED_LIBRARY points.
 """
 
 from types import FunctionType
@@ -42,17 +42,17 @@ from ._schema import *
 from ._shapes import (
     Box, Capsule, Cloud, Cone, Cylinder, Ellipsoid, HalfSpace, HeightField, Hull, Mesh, Polyline, Shape, Sphere,
 )
-from ._standing import StandingWatch
+from ._robot import PublishedRobot
 from ._voxels import Voxels
-from ._watch import Watch
+from ._watch import ProbeWatch, StandingWatch, Watch
 
 __version__ = version()
 
 __all__ = [
     "connect", "Client", "version",
     "Answers", "Answer", "Verdict", "Undecided",
-    "Watch", "Event", "StandingWatch", "StandingEvent", "recorded_standing_events", "RecordedStandingEvents",
-    "Publisher", "PublisherReport", "Voxels",
+    "Watch", "Event", "StandingWatch", "StandingEvent", "ProbeWatch", "recorded_standing_events", "RecordedStandingEvents",
+    "Publisher", "PublisherReport", "PublishedRobot", "Voxels",
     "Shape", "Box", "Capsule", "Cloud", "Cone", "Cylinder", "Ellipsoid", "HalfSpace", "HeightField", "Hull", "Mesh",
     "Polyline", "Sphere",
     "Error", "BadInput", "NoServer", "Timeout", "Refused", "Disconnected", "InternalError",

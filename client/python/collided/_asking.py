@@ -11,9 +11,9 @@ from ._answers import Answer, Answers
 from ._commands import Commanding
 from ._contract import HIT_MODE, IMPORTANCE, INSTANT_KIND
 from ._errors import BadInput
-from ._library import call, code_of, encoded, library, nanoseconds
+from ._library import as_json, call, code_of, encoded, library, nanoseconds, number
 from ._numbers import Row, Rows
-from ._structs import CAskOptions
+from ._structs import ASK_BOXES, ASK_INSIDE, ASK_NEAREST, ASK_RAYS, ASK_SPHERES, CAskOptions
 
 
 def _set_instant(options: CAskOptions, as_of: str | int) -> None:
@@ -69,59 +69,54 @@ def _ask_options(
 class Asking(Commanding):
     """The questions of a Client, which says what their keywords mean."""
 
-    def _ask(self, name: str, arrays: Sequence[_numbers.Numbers | None], count: int, keywords: dict[str, Any]) -> Answers:
+    def _ask(self, name: str, kind: int, rows: _numbers.Numbers, keywords: dict[str, Any]) -> Answers:
         out = keywords.pop("out", None)
         try:
             options = _ask_options(**keywords)
         except TypeError as cause:
             raise BadInput(str(cause).replace("_ask_options()", name), "help(collided.Client) lists the keywords") from None
         answers: Answers = Answers() if out is None else out
-        pointers = [None if numbers is None else numbers.pointer for numbers in arrays]
         kept = answers._empty()
-        call(name, self._handle, count, *pointers, ctypes.byref(options), ctypes.byref(kept))
+        call("ask", self._handle, kind, rows.pointer, rows.count, ctypes.byref(options), ctypes.byref(kept))
         answers._refill()
         return answers
 
     def rays(self, origins: Rows, directions: Rows, lengths: Rows | Row | float | None = None, **options: Any) -> Answers:
         """What do rays hit? origins and directions (n, 3), directions of any length but 0; lengths (n,) or one number in
         metres, None: unlimited. 1 to 100,000 rays."""
-        first = _numbers.rows(origins, 3, "origins")
-        second = _numbers.rows(directions, 3, "directions")
-        third = None if lengths is None else _numbers.repeated(lengths, first.count, "lengths")
-        _numbers.same_length(first, "origins", second, "directions")
-        _numbers.same_length(first, "origins", third, "lengths")
-        return self._ask("ask_rays", (first, second, third), first.count, options)
+        rows = _numbers.joined(
+            origins=_numbers.rows(origins, 3, "origins"),
+            directions=_numbers.rows(directions, 3, "directions"),
+            lengths=_numbers.one_or_many(math.inf if lengths is None else lengths, "lengths"),
+        )
+        return self._ask("rays", ASK_RAYS, rows, options)
 
     def spheres(self, centers: Rows, radii: Rows | Row | float, **options: Any) -> Answers:
         """What touches spheres, and how deep? centers (n, 3); radii (n,) or one number."""
-        first = _numbers.rows(centers, 3, "centers")
-        second = _numbers.repeated(radii, first.count, "radii")
-        _numbers.same_length(first, "centers", second, "radii")
-        return self._ask("ask_spheres", (first, second), first.count, options)
+        rows = _numbers.joined(centers=_numbers.rows(centers, 3, "centers"), radii=_numbers.one_or_many(radii, "radii"))
+        return self._ask("spheres", ASK_SPHERES, rows, options)
 
     def boxes(self, centers: Rows, half: Rows, orientations: Rows | None = None, **options: Any) -> Answers:
         """What touches boxes, and how deep? centers and half edges (n, 3); orientations (n, 4), w first, from each box's
         axes to the world."""
-        first = _numbers.rows(centers, 3, "centers")
-        second = _numbers.rows(half, 3, "half")
-        third = None if orientations is None else _numbers.rows(orientations, 4, "orientations")
-        _numbers.same_length(first, "centers", second, "halves")
-        _numbers.same_length(first, "centers", third, "orientations")
-        return self._ask("ask_boxes", (first, second, third), first.count, options)
+        rows = _numbers.joined(
+            centers=_numbers.rows(centers, 3, "centers"),
+            halves=_numbers.rows(half, 3, "half"),
+            orientations=(1.0, 0.0, 0.0, 0.0) if orientations is None else _numbers.rows(orientations, 4, "orientations"),
+        )
+        return self._ask("boxes", ASK_BOXES, rows, options)
 
     def nearest(self, points: Rows, within: Rows | Row | float | None = None, **options: Any) -> Answers:
         """Which objects are nearest to points? points (n, 3); within (n,) or one number: the largest distance, None:
         unlimited; max_hits: how many objects, 1 where it is not given."""
-        first = _numbers.rows(points, 3, "points")
-        second = None if within is None else _numbers.repeated(within, first.count, "within")
-        _numbers.same_length(first, "points", second, "within")
-        return self._ask("ask_nearest", (first, second), first.count, options)
+        reach = _numbers.one_or_many(math.inf if within is None else within, "within")
+        rows = _numbers.joined(points=_numbers.rows(points, 3, "points"), within=reach)
+        return self._ask("nearest", ASK_NEAREST, rows, options)
 
     def inside(self, points: Rows, **options: Any) -> Answers:
         """Which solids hold points? points (n, 3). Primitives, hulls and declared meshes are solid; the distance of a
         hit is the depth below the surface."""
-        first = _numbers.rows(points, 3, "points")
-        return self._ask("ask_inside", (first,), first.count, options)
+        return self._ask("inside", ASK_INSIDE, _numbers.rows(points, 3, "points"), options)
 
     def ray(self, origin: Row, direction: Row, length: float = math.inf, **options: Any) -> Answer:
         """What does one ray hit?"""
@@ -139,6 +134,7 @@ class Asking(Commanding):
         *,
         clearance: bool = False,
         nearer: float = math.inf,
+        with_filtered: bool = False,
         attached: Sequence[tuple[str, str]] = (),
         timeout: float = 60.0,
         **options: Any,
@@ -152,6 +148,7 @@ class Asking(Commanding):
         clearance  the distance of an answer is its least clearance, negative where something touches, and object names
                    the moved one; hits() has both of the pair. Without it the first contact found, only its names
         nearer     metres; with clearance: pairs surely farther apart do not count
+        with_filtered  also pairs that masks and groups let pass through each other
         attached   (name, name of what it moves with)
         skip, mask, deadline, as_of, importance, fresh: as of other questions"""
         if _numbers.numpy is not None and getattr(poses, "ndim", 2) == 3:
@@ -161,13 +158,13 @@ class Asking(Commanding):
         if left_over:
             raise BadInput(f"{numbers.count} poses for {len(objects)} objects", "each configuration has one for each")
         asked = _ask_options(mode="closest" if clearance else "any", only=against, timeout=timeout, **options)
-        names = (ctypes.c_char_p * len(objects))(*[encoded(name, "the name") for name in objects])
-        tied = (ctypes.c_char_p * (2 * len(attached)))(*[encoded(name, "the name") for pair in attached for name in pair])
+        imagined = {
+            "objects": list(objects), "attached": [list(pair) for pair in attached], "nearer": number(nearer),
+            "with_filtered": bool(with_filtered),
+        }
         answers = Answers()
         kept = answers._empty()
-        call(
-            "what_if", self._handle, names, len(objects), count, numbers.pointer, tied, len(attached), nearer,
-            ctypes.byref(asked), ctypes.byref(kept),
-        )
+        words = as_json(imagined, "what_if"), numbers.pointer, count
+        call("what_if", self._handle, *words, ctypes.byref(asked), ctypes.byref(kept))
         answers._refill()
         return answers

@@ -5,19 +5,17 @@ from __future__ import annotations
 import ctypes
 from typing import Any, Sequence
 
-from . import _numbers
 from ._asking import Asking
-from ._described import read, row_of
-from ._library import call, encoded, library, nanoseconds
+from ._described import read
+from ._library import as_json, call, nanoseconds
 from ._managing import Managing
 from ._measuring import Measuring
 from ._numbers import Row
 from ._publisher import Publisher
 from ._schema import ServerStatus
-from ._shapes import Shape, Solid, encode_object
+from ._shapes import Parts, Shape, Solid, as_object, pose
 from ._standing import Standing
-from ._structs import CConnectOptions, CStatus, CPublishOptions, CWatchOptions
-from ._watch import Watch
+from ._watch import ProbeWatch, Watch
 
 
 class Client(Asking, Measuring, Standing, Managing):
@@ -53,9 +51,7 @@ class Client(Asking, Measuring, Standing, Managing):
 
     def status(self) -> ServerStatus:
         """The newest status that the server has published, which it does twenty times a second."""
-        told = CStatus(size=ctypes.sizeof(CStatus))
-        call("get_status", self._handle, ctypes.byref(told))
-        return read(ServerStatus, row_of(told))
+        return read(ServerStatus, self.command("status"))
 
     def add(
         self,
@@ -75,76 +71,48 @@ class Client(Asking, Measuring, Standing, Managing):
 
         solid: its mesh is closed and holds what lies in it; refused with the reason where it does not close. "winding": a
         mesh that does not close is solid by its winding number."""
-        made = encode_object(name, shape, position, orientation, scale, layers, mask, group, moving, "remove", solid)
-        number = ctypes.c_uint64()
-        call("add", self._handle, ctypes.byref(made.value), ctypes.byref(number))
-        return number.value
+        described = as_object(name, position, orientation, scale, layers, mask, group, moving, solid)
+        return int(self._command("add", described, parts=Parts(shape))["id"])
 
     def move(self, name: str, position: Row, orientation: Row = (1.0, 0.0, 0.0, 0.0), *, teleport: bool = False) -> None:
         """Moves an object that has no living publisher. Contacts on the way count, unless it is teleported."""
-        at = _numbers.vector(position, 3, "position")
-        turned = _numbers.vector(orientation, 4, "orientation")
-        call("move", self._handle, encoded(name, "the name"), at, turned, int(teleport))
+        self._command("move", {"name": name, "pose": pose(position, orientation), "teleport": teleport})
 
     def remove(self, name: str) -> int:
         """Removes objects by name or glob and returns how many."""
-        removed = ctypes.c_uint64()
-        call("remove", self._handle, encoded(name, "the name"), ctypes.byref(removed))
-        return removed.value
+        return len(self._command("remove", {"name": name})["removed"])
 
     def allow(self, a: str, b: str, because: str = "") -> int:
         """Lets each object of glob a touch each of glob b: their contacts are none. Returns how many ended with it."""
-        ended = ctypes.c_uint64()
-        texts = [encoded(a, "a"), encoded(b, "b"), encoded(because, "because")]
-        call("allow", self._handle, *texts, ctypes.byref(ended))
-        return ended.value
+        return int(self.command("allow", a=a, b=b, because=because)["ended"])
 
     def deny(self, a: str, b: str) -> int:
         """Takes that back. Returns how many contacts began with it."""
-        began = ctypes.c_uint64()
-        call("deny", self._handle, encoded(a, "a"), encoded(b, "b"), ctypes.byref(began))
-        return began.value
+        return int(self.command("deny", a=a, b=b)["began"])
 
     def attach(self, child: str, parent: str) -> None:
         """Has an object that no publisher has move along with another one, until it is detached or one of the two is
         removed."""
-        call("attach", self._handle, encoded(child, "the child"), encoded(parent, "the parent"))
+        self.command("attach", child=child, parent=parent)
 
     def detach(self, child: str) -> None:
         """It stays where it is."""
-        call("detach", self._handle, encoded(child, "the child"))
+        self.command("detach", child=child)
 
     def watch(self, only: str = "", skip: str = "", *, persisted: bool = False, capacity: int = 0, since_ns: int = 0) -> Watch:
         """Subscribes to contact events. What holds already comes first, as events of kind "open"."""
-        options = CWatchOptions(
-            size=ctypes.sizeof(CWatchOptions),
-            persisted=int(persisted),
-            only=encoded(only, "only"),
-            skip=encoded(skip, "skip"),
-            capacity=capacity,
-            since_ns=since_ns,
-        )
-        started = ctypes.c_void_p()
-        call("watch_start", self._handle, ctypes.byref(options), None, None, ctypes.byref(started))
-        return Watch(started)
+        return Watch(self._handle, only=only, skip=skip, persisted=persisted, capacity=capacity, since_ns=since_ns)
+
+    def watch_probes(self, only: str = "", skip: str = "", *, capacity: int = 0) -> ProbeWatch:
+        """Subscribes to the readings of probes after every step. only, skip: globs of their names. capacity: readings that
+        may wait to be taken; 0: the default."""
+        return ProbeWatch(self._handle, only=only, skip=skip, capacity=capacity)
 
     def publish(self, name: str, *, lease: float = 0.5, gap: float = 1.5) -> Publisher:
         """Becomes a publisher of objects and their poses. Without a call of its for `lease` seconds (0.1 s to a day) the
         server counts it as lost. Between two poses an object goes straight if they are at most `gap` seconds apart (0.001
         to 8); beyond, it rested until one gap before the later pose. Choose it longer than the period of the source."""
-        made = ctypes.c_void_p()
-        words = encoded(name, "the publisher's name")
-        options = CPublishOptions(
-            size=ctypes.sizeof(CPublishOptions), lease_ns=nanoseconds(lease, "lease"), gap_ns=nanoseconds(gap, "gap")
-        )
-        call("publish_with", self._handle, words, ctypes.byref(options), ctypes.byref(made))
-        return Publisher(made)
-
-    def __enter__(self) -> Client:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
+        return Publisher(self._handle, name, lease, gap)
 
 
 def connect(
@@ -155,28 +123,24 @@ def connect(
     peers: Sequence[str] = (),
     wait: float = 2.0,
     keys: str = "",
+    replicas: bool = True,
+    wait_is_limit: bool = False,
 ) -> Client:
     """Waits until a server answers, at most `wait` seconds.
 
     Without arguments it looks where the environment says (COLLIDED_DOMAIN, else ROS_DOMAIN_ID, COLLIDED_NAMESPACE,
     COLLIDED_INTERFACE, COLLIDED_KEYS), as the command line does; with one, nothing of the environment counts.
 
-    keys: the folder that `collide keys add` made for this program
+    keys           the folder that `collide keys add` made for this program
+    replicas       questions go to replicas of the server too
+    wait_is_limit  no longer than `wait`; without it a server of this machine that is found but busy is given more time
     """
+    given: dict[str, Any] = {}
+    is_chosen = domain is not None or name_space is not None or interface is not None or peers or wait != 2.0 or keys
+    if is_chosen or not replicas or wait_is_limit:
+        given = {"domain": domain or 0, "peers": list(peers), "wait_ns": nanoseconds(wait, "wait"), "keys": keys}
+        given.update(replicas=bool(replicas), wait_is_limit=bool(wait_is_limit))
+        given.update((name, word) for name, word in (("name_space", name_space), ("interface", interface)) if word)
     made = ctypes.c_void_p()
-    if domain is None and name_space is None and interface is None and not peers and wait == 2.0 and not keys:
-        call("connect", None, ctypes.byref(made))
-        return Client(made)
-    addresses = (ctypes.c_char_p * len(peers))(*[encoded(peer, "peer") for peer in peers])
-    options = CConnectOptions(
-        size=ctypes.sizeof(CConnectOptions),
-        domain=domain or 0,
-        name_space=encoded(name_space or "", "name_space"),
-        interface_name=encoded(interface or "", "interface"),
-        wait_ns=nanoseconds(wait, "wait"),
-        peers=addresses,
-        peer_count=len(peers),
-        keys=encoded(keys, "keys"),
-    )
-    call("connect", ctypes.byref(options), ctypes.byref(made))
+    call("connect", as_json(given, "connect") if given else None, ctypes.byref(made))
     return Client(made)

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import ctypes
-import json
 from typing import Any
 
 from ._errors import BadInput
-from ._library import Owned, call, encoded, library, nanoseconds
+from ._library import Owned, as_json, call_for_text, encoded, nanoseconds
+from ._shapes import Parts
 
 _DAY_NS = 86_400 * 10**9
 
@@ -20,15 +19,14 @@ class Commanding(Owned):
 
         name       a word of the server, such as "figures", "steps", "audit", "menu" or "recording"
         arguments  as JSON has them: lengths in metres, times in nanoseconds"""
-        text = encoded(json.dumps(arguments), "the arguments")
-        said = ctypes.c_void_p()
-        call("command", self._handle, encoded(name, "the command"), text, nanoseconds(timeout, "timeout"), ctypes.byref(said))
-        try:
-            answer = ctypes.string_at(said) if said else b""
-        finally:
-            library.collided_free_text(said)
-        decoded = json.loads(answer) if answer else {}
-        return decoded if isinstance(decoded, dict) else {"answer": decoded}
+        return self._command(name, arguments, timeout)
+
+    def _command(self, name: str, arguments: dict[str, Any], timeout: float = 10.0, parts: Parts | None = None) -> dict[str, Any]:
+        """parts: the shape, for a command that takes one"""
+        array, count = (None, 0) if parts is None else (parts.array, parts.count)
+        words = encoded(name, "the command"), as_json(arguments, name)
+        answer = call_for_text("command", self._handle, *words, array, count, nanoseconds(timeout, "timeout"))
+        return answer if isinstance(answer, dict) else {"answer": answer}
 
 
 def deadline_ns(deadline: float, timeout: float) -> int:

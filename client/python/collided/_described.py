@@ -1,20 +1,19 @@
-"""Answers of the server as frozen dataclasses, read by the names of their members."""
+"""Answers and events of the server as frozen dataclasses, read by the names of their members."""
 
 from __future__ import annotations
 
-import ctypes
 import dataclasses
 import enum
 import functools
 import itertools
 import types
 import typing
-from typing import Any, TypeVar
+from typing import Any, Callable, Mapping, TypeVar
 
 from ._contract import NO_TRIANGLE, VERDICT
-from ._library import text
 
 T = TypeVar("T")
+Reader = Callable[[Any], Any]
 
 
 class Undecided(Exception):
@@ -51,56 +50,61 @@ class Judged:
 
 
 def read(kind: type[T], row: dict[str, Any]) -> T:
-    """The answer as a dataclass. A member that was not written is false, 0, empty or None, as its type has it.
+    """The row as a dataclass. A member that was not written is false, 0, empty or None, as its type has it.
 
-    The metadata of a member may have its name in the row ("json"; empty: it is read from the whole row), and the words of Python
-    for those of the row ("words")."""
-    values = {}
-    for name, hint, metadata in _members(typing.cast(Any, kind)):
-        place = metadata.get("json", name)
-        value = row.get(place) if place else row
-        if name.endswith("triangle") and value == NO_TRIANGLE:
-            value = None
-        values[name] = _value(hint, metadata["words"].get(value, value) if "words" in metadata else value)
-    return kind(**values)
+    The metadata of a member may have these:
+      json   its name in the row; empty: it is read from the whole row
+      words  the words of Python for those of the row
+      ends   names of numbers, which are one tuple"""
+    return kind(**{name: value(row.get(place) if place else row) for name, place, value in _members(typing.cast(Any, kind))})
 
 
 @functools.cache
-def _members(kind: Any) -> list[tuple[str, Any, Any]]:
-    hints = typing.get_type_hints(kind)
-    return [(member.name, hints[member.name], member.metadata) for member in dataclasses.fields(kind)]
+def _hints(kind: Any) -> dict[str, Any]:
+    return typing.get_type_hints(kind)
 
 
-def row_of(struct: ctypes.Structure) -> dict[str, Any]:
-    """A struct of the C interface as the same kind of row: lengths without their unit, texts decoded."""
-    return {name.removesuffix("_m"): _plain(getattr(struct, name)) for name, *_ in struct._fields_}
+@functools.cache
+def _members(kind: Any) -> list[tuple[str, str, Reader]]:
+    hints = _hints(kind)
+    return [(member.name, member.metadata.get("json", member.name), _reading(member.name, hints[member.name], member.metadata))
+            for member in dataclasses.fields(kind)]
 
 
-def _plain(value: Any) -> Any:
-    if isinstance(value, bytes):
-        return text(value)
-    return tuple(value) if isinstance(value, ctypes.Array) else value
+def _reading(name: str, hint: Any, metadata: Mapping[str, Any]) -> Reader:
+    value = _value(hint)
+    if name.endswith("triangle"):
+        return lambda given: value(None if given == NO_TRIANGLE else given)
+    if "words" in metadata:
+        words = metadata["words"]
+        return lambda given: value(words.get(given, given))
+    if "ends" in metadata:
+        ends = metadata["ends"]
+        return lambda given: value(None if given is None else [given.get(end) for end in ends])
+    return value
+
+
+def _value(hint: Any) -> Reader:
+    kinds, several = typing.get_args(hint), typing.cast(Any, typing.get_origin(hint))
+    if isinstance(hint, types.UnionType):
+        inner = _value(kinds[0])
+        return lambda value: None if value is None else inner(value)
+    if dataclasses.is_dataclass(hint):
+        return lambda value: read(typing.cast(type, hint), _named(hint, value) if isinstance(value, list) else value or {})
+    if hint is Verdict:
+        return lambda value: _VERDICTS.get(value, Verdict.UNDECIDED)
+    if several is None:
+        return lambda value: hint() if value is None else hint(value)
+    values = [_value(each) for each in kinds if each is not ...]
+    if several is list or kinds[-1] is ...:
+        return lambda value: several(map(values[0], value or ()))
+    return lambda value: tuple(one(each) for one, each in itertools.zip_longest(values, value or ()))
 
 
 def _named(kind: Any, numbers: list[Any]) -> dict[str, Any]:
     """A row that was written as numbers alone, a vector as three of them."""
     left, row = iter(numbers), {}
-    for name, hint, metadata in _members(kind):
-        value: Any = list(itertools.islice(left, 3 if typing.get_origin(hint) is tuple else 1))
-        row[metadata.get("json", name)] = value if len(value) == 3 else value[0]
+    for name, place, _ in _members(kind):
+        value: Any = list(itertools.islice(left, 3 if typing.get_origin(_hints(kind)[name]) is tuple else 1))
+        row[place] = value if len(value) == 3 else value[0]
     return row
-
-
-def _value(hint: Any, value: Any) -> Any:
-    kinds = typing.get_args(hint)
-    if isinstance(hint, types.UnionType):
-        return None if value is None else _value(kinds[0], value)
-    if dataclasses.is_dataclass(hint):
-        return read(typing.cast(type, hint), _named(hint, value) if isinstance(value, list) else value or {})
-    if hint is Verdict:
-        return _VERDICTS.get(value, Verdict.UNDECIDED)
-    if typing.get_origin(hint) is not tuple:
-        return hint() if value is None else hint(value)
-    if kinds[-1] is ...:
-        return tuple(_value(kinds[0], each) for each in value or ())
-    return tuple(_value(of, each) for of, each in itertools.zip_longest(kinds, value or ()))

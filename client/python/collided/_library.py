@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import ctypes
+import json
+import operator
 import os
 import pathlib
 import warnings
 from ctypes import c_void_p
-from typing import Any
+from typing import Any, TypeVar
 
 from ._errors import BadInput, Disconnected, Error, InternalError, NoServer, Refused, Timeout
 from ._structs import BAD_INPUT, DISCONNECTED, FUNCTIONS, NO_SERVER, NOTHING, OK, REFUSED, TIMEOUT, CError
 
-_NAME = "libcollided_client.so.1"
+_NAME = "libcollided_client.so.2"
 
 _ERRORS: dict[int, type[Error]] = {
     BAD_INPUT: BadInput,
@@ -37,7 +39,7 @@ def _load() -> ctypes.CDLL:
             cause = failed
     if library is None:
         raise ImportError(
-            f"the client library of Collided cannot be loaded: {cause}; install the package libcollided1, or set "
+            f"the client library of Collided cannot be loaded: {cause}; install the package libcollided2, or set "
             f"COLLIDED_LIBRARY to the path of {_NAME}"
         ) from cause
     for name, (result, arguments) in FUNCTIONS.items():
@@ -67,6 +69,29 @@ def call(name: str, *arguments: Any) -> int:
     raise _ERRORS.get(code, InternalError)(
         error.message.decode("utf-8", "replace"), error.hint.decode("utf-8", "replace"), error.retry_after_ns * 1e-9
     )
+
+
+def call_for_text(name: str, *arguments: Any) -> Any:
+    """Calls a function whose last argument is a text that it returns as JSON; None if it returns none."""
+    told = ctypes.c_void_p()
+    try:
+        call(name, *arguments, ctypes.byref(told))
+        return json.loads(ctypes.string_at(told)) if told else None
+    finally:
+        library.collided_free_text(told)
+
+
+def as_json(value: dict[str, Any], what: str) -> bytes:
+    """Arguments or options for C. JSON has no number that is not finite. Numbers and arrays of numpy have tolist()."""
+    try:
+        return json.dumps(value, allow_nan=False, default=operator.methodcaller("tolist")).encode()
+    except (AttributeError, TypeError, ValueError) as cause:
+        raise BadInput(f"{what}: {cause}", "nothing was sent") from cause
+
+
+def number(value: float) -> float | str:
+    """A number for JSON, where an infinite one is a text."""
+    return str(value) if value in (float("inf"), float("-inf")) else value
 
 
 def encoded(text: str, what: str) -> bytes:
@@ -100,6 +125,9 @@ def nanoseconds(seconds: float, what: str) -> int:
     return int(min(seconds * 1e9, 2**63 - 1025))
 
 
+Held = TypeVar("Held", bound="Owned")
+
+
 class Owned:
     """Something that the library made: closed once, by close(), `with` or the garbage collector, and of no use in a
     forked child, which has none of the library's threads."""
@@ -129,6 +157,12 @@ class Owned:
         kept, self._kept = getattr(self, "_kept", None), None
         if kept is not None and os.getpid() == self._pid:
             getattr(library, "collided_" + self._close_name)(kept)
+
+    def __enter__(self: Held) -> Held:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self.close()
 
     def __del__(self) -> None:
         self.close()

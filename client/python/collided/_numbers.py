@@ -27,10 +27,14 @@ _NOTHING_SENT = "nothing was sent"
 class Numbers:
     """`count` rows of `width` numbers as C reads them; keeps them alive."""
 
-    def __init__(self, kept: Any, address: int, count: int) -> None:
-        self._kept = kept
+    def __init__(self, kept: Any, address: int, count: int, width: int) -> None:
+        self.kept = kept
+        self.width = width
         self.pointer = ctypes.c_void_p(address)
         self.count = count
+
+
+Column = Union[Numbers, tuple[float, ...]]  # a tuple is the same in all rows
 
 
 def _from_numpy(values: Any, width: int, what: str, kind: str) -> Numbers:
@@ -44,7 +48,7 @@ def _from_numpy(values: Any, width: int, what: str, kind: str) -> Numbers:
     if kind == "I" and given.size > 0 and (given.min() < 0 or given.max() > 0xFFFFFFFF):
         raise BadInput(f"{what} has values beyond 0 to 4294967295", _NOTHING_SENT)
     held = numpy.ascontiguousarray(given, dtype=wanted)
-    return Numbers(held, held.ctypes.data, held.shape[0])
+    return Numbers(held, held.ctypes.data, held.shape[0], width)
 
 
 def _from_sequence(values: Any, width: int, what: str, kind: str) -> Numbers:
@@ -64,7 +68,7 @@ def _from_sequence(values: Any, width: int, what: str, kind: str) -> Numbers:
             count += 1
     except (TypeError, OverflowError) as cause:
         raise BadInput(f"row {count} of {what}: {cause}", _NOTHING_SENT) from cause
-    return Numbers(flat, flat.buffer_info()[0], count)
+    return Numbers(flat, flat.buffer_info()[0], count, width)
 
 
 def rows(values: Any, width: int, what: str, kind: str = "d") -> Numbers:
@@ -85,13 +89,40 @@ def same_length(first: Numbers, name: str, second: Numbers | None, other: str) -
         raise BadInput(f"{first.count} {name} but {second.count} {other}", _NOTHING_SENT)
 
 
-def repeated(value: Any, count: int, what: str) -> Numbers:
+def one_or_many(value: Any, what: str) -> Column:
     """One number for all rows, or one for each."""
     if isinstance(value, (int, float)) or (numpy is not None and getattr(value, "ndim", None) == 0):
-        if numpy is not None:
-            return rows(numpy.full(count, value, dtype="float64"), 1, what)
-        return rows([float(value)] * count, 1, what)
+        return (float(value),)
     return rows(value, 1, what)
+
+
+def joined(**columns: Column) -> Numbers:
+    """Columns beside each other, as the rows of one array. The first has numbers for each row."""
+    (name, first), *others = columns.items()
+    assert isinstance(first, Numbers)
+    for other, column in others:
+        same_length(first, name, column if isinstance(column, Numbers) else None, other)
+    parts = [(column.kept, column.width) if isinstance(column, Numbers) else (column, 0) for column in columns.values()]
+    width = sum(own or len(values) for values, own in parts)
+    return _joined_by_numpy(parts, first.count, width) if numpy is not None else _joined_lists(parts, first.count, width)
+
+
+def _joined_by_numpy(parts: list[tuple[Any, int]], count: int, width: int) -> Numbers:
+    table, at = numpy.empty((count, width)), 0
+    for values, own in parts:
+        after = at + (own or len(values))
+        table[:, at:after] = values.reshape(-1, own) if own else values
+        at = after
+    return Numbers(table, table.ctypes.data, count, width)
+
+
+def _joined_lists(parts: list[tuple[Any, int]], count: int, width: int) -> Numbers:
+    table, at = array.array("d", bytes(8 * width * count)), 0
+    for values, own in parts:
+        for i in range(own or len(values)):
+            table[at::width] = values[i::own] if own else array.array("d", [values[i]]) * count
+            at += 1
+    return Numbers(table, table.buffer_info()[0], count, width)
 
 
 def vector(values: Any, width: int, what: str) -> Any:

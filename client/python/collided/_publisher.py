@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import ctypes
 from dataclasses import dataclass
-from typing import Sequence
+from types import MappingProxyType
+from typing import Mapping, Sequence
 
-from . import _numbers, _voxels
+from . import _numbers
 from ._contract import LOST_POLICY
-from ._library import Owned, call, code_of, encoded, library, nanoseconds, text
+from ._described import read
+from ._library import Owned, as_json, call, call_for_text, code_of, encoded, library, nanoseconds
 from ._numbers import Row, Rows
-from ._shapes import Shape, Solid, encode_object
-from ._structs import CReport
+from ._robot import PublishedRobot
+from ._shapes import Parts, Shape, Solid, as_object, pose
 from ._voxels import Voxels
 
 
@@ -35,8 +37,20 @@ class Publisher(Owned):
 
     _what = "the publisher"
 
-    def __init__(self, handle: ctypes.c_void_p) -> None:
+    def __init__(self, client: ctypes.c_void_p, name: str, lease: float, gap: float) -> None:
+        handle = ctypes.c_void_p()
+        options = {"lease_ns": nanoseconds(lease, "lease"), "gap_ns": nanoseconds(gap, "gap")}
+        words = encoded(name, "the publisher's name"), as_json(options, "publish")
+        call("publish", client, *words, ctypes.byref(handle))
         super().__init__(handle, "publisher_close")
+        self._client = client
+
+    def _defined(self, described: dict[str, object], lost: str, parts: Parts | None) -> int:
+        code_of(lost, LOST_POLICY, "lost")
+        handle = ctypes.c_uint32()
+        array, count = (None, 0) if parts is None else (parts.array, parts.count)
+        call("publisher_add", self._handle, as_json({**described, "lost": lost}, "add"), array, count, ctypes.byref(handle))
+        return handle.value
 
     def add(
         self,
@@ -52,14 +66,14 @@ class Publisher(Owned):
         moving: bool = True,
         lost: str = "remove",
         solid: Solid = False,
+        unknown: bool = False,
     ) -> int:
         """Defines an object and returns its handle. lost: "remove", "freeze" or "hold". solid: its mesh is closed and
         holds what lies in it; wait_applied() tells where it is refused. "winding": a mesh that does not close is solid by
-        its winding number."""
-        made = encode_object(name, shape, position, orientation, scale, layers, mask, group, moving, lost, solid)
-        handle = ctypes.c_uint32()
-        call("publisher_add", self._handle, ctypes.byref(made.value), ctypes.byref(handle))
-        return handle.value
+        its winding number. unknown: what is in the shape is not known: it meets nothing, and a question that reaches into it
+        is undecided, with the reason not_covered."""
+        described = as_object(name, position, orientation, scale, layers, mask, group, moving, solid)
+        return self._defined({**described, "unknown": bool(unknown)}, lost, Parts(shape))
 
     def remove(self, handle: int) -> None:
         """Takes an object out of the world."""
@@ -70,12 +84,7 @@ class Publisher(Owned):
     ) -> int:
         """Takes over an object that is in the world and has no living publisher; its shape stays. Returns its handle.
         It goes back there instead of being removed."""
-        at = _numbers.vector(position, 3, "position")
-        turned = _numbers.vector(orientation, 4, "orientation")
-        handle = ctypes.c_uint32()
-        policy = code_of(lost, LOST_POLICY, "lost")
-        call("publisher_claim", self._handle, encoded(name, "the name"), at, turned, policy, ctypes.byref(handle))
-        return handle.value
+        return self._defined({"claim": True, "name": name, "pose": pose(position, orientation)}, lost, None)
 
     def move(self, handle: int, position: Row, orientation: Row | None = None, *, teleport: bool = False) -> None:
         """The newest pose of an object. Contacts on the way from its last pose count, unless it is teleported."""
@@ -109,15 +118,12 @@ class Publisher(Owned):
 
     def report(self, timeout: float = 10.0) -> PublisherReport:
         """Asks the server what it has not taken; after wait_applied() that counts everything sent before."""
-        told = CReport(size=ctypes.sizeof(CReport))
-        call("publisher_report", self._handle, nanoseconds(timeout, "timeout"), ctypes.byref(told))
-        left_out = [(text(told.names[i]), text(told.reasons[i])) for i in range(told.name_count)]
-        return PublisherReport(text(told.refused), left_out, told.left_out_count, told.merged_poses)
+        return read(PublisherReport, call_for_text("publisher_report", self._handle, nanoseconds(timeout, "timeout")))
 
     def keep_alive(self, source_time_ns: int = 0) -> None:
         """Shows the server that this publisher is alive, and says nothing about its objects: flush() says that what was
         not moved has rested. source_time_ns: the publisher's time now, for one that gives flush() its own times."""
-        call("publisher_keep_alive_at", self._handle, source_time_ns)
+        call("publisher_keep_alive", self._handle, source_time_ns)
 
     def stream(self) -> None:
         """From now on a flush says nothing about objects that were not moved: each moves between its own poses."""
@@ -134,15 +140,31 @@ class Publisher(Owned):
         layers: int = 1,
         lost: str = "freeze",
         most_blocks: int = 32_768,
+        clearing_delay: float = 0.5,
     ) -> Voxels:
         """A grid of cells of this side that scans make occupied or free. unknown: what the other cells are, "free",
         "undecided" (a question that reaches into them is undecided, with the reason not_covered) or "occupied". decay:
         seconds after which a cell that no scan has met is unknown again (0: never). reach: points farther from their
-        scan's origin do not count. most_blocks: of 16 x 16 x 16 cells that may be in use."""
-        return _voxels.start(self, name, cell, unknown, decay, reach, layers, lost, most_blocks)
+        scan's origin do not count. most_blocks: of 16 x 16 x 16 cells that may be in use.
+        clearing_delay: seconds
+        between two publications of a block in which cells have only become free."""
+        return Voxels(self, name, cell, unknown, decay, reach, layers, lost, most_blocks, clearing_delay)
 
-    def __enter__(self) -> Publisher:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
+    def robot(
+        self,
+        urdf: str,
+        *,
+        scene: str = "",
+        position: Row = (0.0, 0.0, 0.0),
+        orientation: Row = (1.0, 0.0, 0.0, 0.0),
+        joints: Mapping[str, float] = MappingProxyType({}),
+        beyond_limits: bool = False,
+        lost: str = "freeze",
+    ) -> PublishedRobot:
+        """Claims the links of a robot that was loaded with moving=True, and places them. urdf: path of its file, on this
+        machine. scene: that it was loaded as; empty: the robot's name. position, orientation: of its root link. joints:
+        where they stand, in radians or metres; those that are not named are at 0. beyond_limits: positions beyond the
+        joints' limits are taken. lost: "freeze", "hold", or "remove": the links are given back where they stand."""
+        code_of(lost, LOST_POLICY, "lost")
+        options = {"urdf": urdf, "scene": scene, "base": pose(position, orientation), "joints": list(joints.items())}
+        return PublishedRobot(self._client, self, {**options, "beyond_limits": beyond_limits, "lost": lost})

@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import ctypes
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from typing import Any, Literal, Sequence, Union
 
 from . import _numbers, _structs
-from ._contract import LOST_POLICY
 from ._errors import BadInput
-from ._library import code_of, encoded, library
 from ._numbers import Row, Rows
-from ._structs import CObject, CPart
+from ._structs import CPart
 
 #: Whether a mesh holds what lies in it. True: refused where it does not close; "winding": then it is solid by its winding
 #: number.
@@ -127,14 +125,6 @@ Shape = Union[
 ]
 
 
-@dataclass
-class EncodedObject:
-    """An object as C takes it, with what it points to."""
-
-    value: CObject
-    kept: list[Any] = field(default_factory=list)
-
-
 # The kinds of parts in C.
 _KINDS = {
     Sphere: _structs.SPHERE,
@@ -197,45 +187,36 @@ def _encode_part(part: Shape, kept: list[Any]) -> CPart:
     return encoded_part
 
 
-def encode_parts(shape: Shape | Sequence[Shape], kept: list[Any]) -> Any:
-    """The parts of a shape as an array for C; `kept` receives what must live as long."""
-    parts: list[Shape] = list(shape) if isinstance(shape, (list, tuple)) else [shape]  # type: ignore[list-item]
-    made = (CPart * len(parts))(*[_encode_part(part, kept) for part in parts])
-    kept.append(made)
-    return made
+class Parts:
+    """The parts of a shape as an array for C, with what it points to."""
+
+    def __init__(self, shape: Shape | Sequence[Shape]) -> None:
+        listed: list[Shape] = list(shape) if isinstance(shape, (list, tuple)) else [shape]  # type: ignore[list-item]
+        if not listed:
+            raise BadInput("the shape has no part", "nothing was sent")
+        self._kept: list[Any] = []
+        self.array = (CPart * len(listed))(*[_encode_part(part, self._kept) for part in listed])
+        self.count = len(listed)
 
 
-def encode_object(
-    name: str,
-    shape: Shape | Sequence[Shape],
-    position: Row,
-    orientation: Row,
-    scale: Row,
-    layers: int,
-    mask: int,
-    group: int,
-    moving: bool,
-    lost: str,
-    solid: Solid,
-) -> EncodedObject:
-    """An object for the functions that add one."""
-    policy = code_of(lost, LOST_POLICY, "lost")
+def pose(position: Row, orientation: Row) -> list[float]:
+    """A pose for JSON."""
+    return [*_numbers.vector(position, 3, "position"), *_numbers.vector(orientation, 4, "orientation")]
+
+
+def as_object(
+    name: str, position: Row, orientation: Row, scale: Row, layers: int, mask: int, group: int, moving: bool, solid: Solid
+) -> dict[str, Any]:
+    """What the command `add` takes besides the shape."""
     if solid not in (True, False, "winding"):
         raise BadInput(f'solid is {solid!r}; known are True, False and "winding"', "nothing was sent")
     for value, what in ((layers, "layers"), (mask, "mask"), (group, "group")):
         if not 0 <= value <= 0xFFFFFFFF:
             raise BadInput(f"{what} is {value}; allowed are 0 to 4294967295", "nothing was sent")
-    made = EncodedObject(CObject())
-    library.collided_object_defaults(ctypes.byref(made.value), ctypes.sizeof(CObject))
-    encoded_parts = encode_parts(shape, made.kept)
-    made.value.name = encoded(name, "the name")
-    made.value.parts = ctypes.cast(encoded_parts, ctypes.POINTER(CPart))
-    made.value.part_count = len(encoded_parts)
-    made.value.position = _numbers.vector(position, 3, "position")
-    made.value.orientation = _numbers.vector(orientation, 4, "orientation")
-    made.value.scale = _numbers.vector(scale, 3, "scale")
-    made.value.layers, made.value.mask, made.value.group = layers, mask, group
-    made.value.moving = 1 if moving else 0
-    made.value.lost_policy = policy
-    made.value.solid = 2 if solid == "winding" else int(solid)
+    made: dict[str, Any] = {"name": name, "pose": pose(position, orientation), "scale": list(_numbers.vector(scale, 3, "scale"))}
+    made.update(layers=layers, mask=mask, group=group, moving=bool(moving))
+    if solid:
+        made["solid"] = True
+    if solid == "winding":
+        made["solid_by"] = "winding"
     return made

@@ -2,92 +2,40 @@
 
 from __future__ import annotations
 
-import ctypes
-import time
-from typing import Any, Iterator, Sequence
+from typing import Any, Sequence
 
+from . import _numbers
 from ._commands import Commanding
-from ._contract import STANDING_FORM, DETECT_CROSS, DETECT_ENTER, DETECT_EXIT
+from ._contract import STANDING_FORM
 from ._described import read
 from ._errors import BadInput
-from ._events import StandingEvent, read_standing_event
-from ._library import Owned, call, code_of, encoded, library, nanoseconds
+from ._library import code_of, nanoseconds
 from ._schema import ListedStanding
-from ._shapes import Shape, encode_parts
-from ._structs import FORM_ANY, NOTHING, CPart, CStanding, CStandingEvent
-from ._watch import SLICE_S
+from ._shapes import Parts, Shape
+from ._watch import StandingWatch
 
-_DETECT = {"enter": DETECT_ENTER, "exit": DETECT_EXIT, "cross": DETECT_CROSS}
+_DETECT = ("enter", "exit", "cross")
 _ALL_LAYERS = 0xFFFFFFFF
 
 
-def _form(form: str | None) -> int:
-    return FORM_ANY if form is None else code_of(form, STANDING_FORM, "form")
-
-
-class StandingWatch(Owned):
-    """A subscription to standing questions: `for event in watch`, or next(wait)."""
-
-    _what = "the watch of standing questions"
-
-    def __init__(self, client: ctypes.c_void_p, only: str, skip: str, form: str | None) -> None:
-        handle = ctypes.c_void_p()
-        call("standing_watch_start", client, encoded(only, "only"), encoded(skip, "skip"), _form(form), ctypes.byref(handle))
-        super().__init__(handle, "standing_watch_close")
-
-    def next(self, wait: float | None = None) -> StandingEvent | None:
-        """The next event; None if none comes within `wait` seconds (None: however long it takes)."""
-        until = None if wait is None else time.monotonic() + wait
-        event = CStandingEvent(size=ctypes.sizeof(CStandingEvent))
-        while True:
-            left = SLICE_S if until is None else min(SLICE_S, max(0.0, until - time.monotonic()))
-            if call("standing_watch_next", self._handle, nanoseconds(left, "wait"), ctypes.byref(event)) != NOTHING:
-                return read_standing_event(event)
-            if until is not None and time.monotonic() >= until:
-                return None
-
-    @property
-    def lost(self) -> int:
-        """Events dropped because they were not taken in time."""
-        return int(library.collided_standing_watch_lost(self._handle))
-
-    @property
-    def in_step(self) -> bool:
-        """True when all that holds has been reported."""
-        return bool(library.collided_standing_watch_in_step(self._handle))
-
-    def __iter__(self) -> Iterator[StandingEvent]:
-        while not self.closed:
-            event = self.next()
-            if event is not None:
-                yield event
-
-    def __enter__(self) -> StandingWatch:
-        return self
-
-    def __exit__(self, *_: object) -> None:
-        self.close()
+def _named(name: str, form: str | None) -> dict[str, Any]:
+    if form is None:
+        return {"name": name}
+    code_of(form, STANDING_FORM, "form")
+    return {"name": name, "form": form}
 
 
 class Standing(Commanding):
     """The calls of a Client for standing questions."""
 
-    def _add_standing(self, form: str, name: str, only: str, skip: str, mask: int, keep: bool, **members: Any) -> int:
+    def _add_standing(
+        self, name: str, only: str, skip: str, mask: int, keep: bool, members: dict[str, Any], parts: Parts | None = None
+    ) -> int:
         if not 0 <= mask <= _ALL_LAYERS:
             raise BadInput(f"mask is {mask}; allowed are 0 to 4294967295", "nothing was sent")
-        standing = CStanding(
-            size=ctypes.sizeof(CStanding),
-            form=_form(form),
-            name=encoded(name, "the name"),
-            only=encoded(only, "only"),
-            skip=encoded(skip, "skip"),
-            left_out_layers=mask ^ _ALL_LAYERS,
-            keep=int(keep),
-            **members,
-        )
-        parts = ctypes.c_uint64()
-        call("standing_add", self._handle, ctypes.byref(standing), ctypes.byref(parts))
-        return parts.value
+        given = {"name": name, "mask": mask, "keep": bool(keep), **members}
+        given.update((glob, words) for glob, words in (("only", only), ("skip", skip)) if words)
+        return int(self._command("fence", given, parts=parts).get("parts", 0))
 
     def add_region(
         self,
@@ -110,15 +58,10 @@ class Standing(Commanding):
         unknown = [text for text in detect if text not in _DETECT]
         if unknown or not detect:
             raise BadInput(f"detect is {list(detect)!r}; known are {', '.join(_DETECT)}", "nothing was sent")
-        kept: list[Any] = []
-        parts = encode_parts(shape, kept)
-        region = {
-            "parts": ctypes.cast(parts, ctypes.POINTER(CPart)),
-            "part_count": len(parts),
-            "to": encoded(to, "to"),
-            "detect": sum(_DETECT[text] for text in set(detect)),
-        }
-        self._add_standing("region", name, only, skip, mask, keep, **region)
+        region: dict[str, Any] = {"detect": sorted(set(detect))}
+        if to:
+            region["to"] = to
+        self._add_standing(name, only, skip, mask, keep, region, Parts(shape))
 
     def add_bands(
         self,
@@ -140,15 +83,8 @@ class Standing(Commanding):
         dwell       seconds: a change is reported once it has lasted so long; contact at once
         returns     how many parts of loaded scenes one of the globs matches; they have no bands
         """
-        numbers = (ctypes.c_double * len(bands))(*bands)
-        members = {
-            "around": encoded(around, "around"),
-            "bands_m": ctypes.addressof(numbers),
-            "band_count": len(bands),
-            "hysteresis_m": hysteresis,
-            "dwell_ns": nanoseconds(dwell, "dwell"),
-        }
-        return self._add_standing("bands", name, only, skip, mask, keep, **members)
+        members = {"around": around, "bands": list(bands), "hysteresis": hysteresis, "dwell_ns": nanoseconds(dwell, "dwell")}
+        return self._add_standing(name, only, skip, mask, keep, members)
 
     def add_nearest(
         self,
@@ -168,34 +104,33 @@ class Standing(Commanding):
         within      metres: objects farther away do not count
         hysteresis  metres: another one must be nearer by more than this
         """
-        members: dict[str, Any] = {"within_m": within, "hysteresis_m": hysteresis}
+        members: dict[str, Any] = {"within": within, "hysteresis": hysteresis}
         if isinstance(to, str):
             if not to:
                 raise BadInput("to is empty; the name of an object or a point is needed", "nothing was sent")
-            members["to"] = encoded(to, "to")
+            members["to"] = to
         else:
-            x, y, z = to
-            members["point"] = (float(x), float(y), float(z))
-        self._add_standing("nearest", name, only, skip, mask, keep, **members)
+            members["point"] = list(_numbers.vector(to, 3, "to"))
+        self._add_standing(name, only, skip, mask, keep, members)
 
     def remove_standing(self, name: str, form: str | None = None) -> int:
         """Removes standing questions by name or glob, and returns how many there were.
 
         form  "region", "bands" or "nearest": of this form alone
         """
-        removed = ctypes.c_uint64()
-        call("standing_remove", self._handle, encoded(name, "the name"), _form(form), ctypes.byref(removed))
-        return removed.value
+        return len(self._command("fence", {**_named(name, form), "remove": True})["standing"])
 
     def standing(self, name: str = "", form: str | None = None) -> list[ListedStanding]:
         """The standing questions whose names match the glob, and what each `holds`."""
-        arguments: dict[str, Any] = {} if form is None else {"form": STANDING_FORM[_form(form)]}
-        return [read(ListedStanding, row) for row in self.command("fences", name=name, **arguments)["standing"]]
+        return [read(ListedStanding, row) for row in self._command("fences", _named(name, form))["standing"]]
 
-    def watch_standing(self, only: str = "", skip: str = "", form: str | None = None) -> StandingWatch:
+    def watch_standing(
+        self, only: str = "", skip: str = "", form: str | None = None, *, capacity: int = 0
+    ) -> StandingWatch:
         """Subscribes to standing questions. What holds already comes first, as "inside", "within" and "is".
 
         only  name glob that the question or one of the two objects must match; empty: everything
         skip  name glob that none of them may match
+        capacity  events that may wait to be taken; 0: the default
         """
-        return StandingWatch(self._handle, only, skip, form)
+        return StandingWatch(self._handle, only=only, skip=skip, form=_named("", form).get("form"), capacity=capacity)
