@@ -77,7 +77,7 @@ COLLIDED_API void collided_close(collided_client* client);
 
 /* ---- Questions ---- */
 
-/* What a call asks, and the numbers of a row; each row is one question. */
+/* Kinds of questions, and the numbers of a row; each row is one question. */
 typedef int32_t collided_question;
 enum {
   COLLIDED_ASK_RAYS = 0,    /* 7: origin 3, direction 3 (any length but 0), length_m (INFINITY: no limit) */
@@ -114,7 +114,7 @@ COLLIDED_API void collided_ask_defaults(collided_ask_options* options, uint32_t 
 COLLIDED_API int collided_ask(collided_client* client, collided_question kind, const double* rows, size_t count,
                               const collided_ask_options* options, collided_answers** answers, collided_error* error);
 
-/* Whether configurations of objects would be free, with nothing moved; see collided::Client::what_if. There is one answer
+/* Asks whether configurations of objects would be free, with nothing moved; see collided::Client::what_if. There is one answer
  * for each configuration: a miss is free. Its pair is two hits that follow each other, that of a moved object first; both
  * have the clearance as distance_m (negative if the two touch) and the normal from the first to the second, and each has
  * its nearest point. `inside` is set for one that lies within the other, a solid.
@@ -128,7 +128,7 @@ COLLIDED_API int collided_what_if(collided_client* client, const char* objects, 
                                   const collided_ask_options* options, collided_answers** answers,
                                   collided_error* error);
 
-/* What holds for all answers of a call. */
+/* Properties that all answers of a call share. */
 typedef struct collided_answers_info {
   uint32_t size;
   int32_t has_oldest_pose; /* 0: only static geometry decided */
@@ -226,7 +226,7 @@ COLLIDED_API int collided_recorded_standing(const char* path, const char* option
 
 /* ---- Watches ---- */
 
-/* What a watch follows, and its options. Each has only and skip (globs) and capacity (events that may wait). */
+/* Kinds of watches, and their options. Each has only and skip (globs) and capacity (events that may wait). */
 typedef int32_t collided_followed;
 enum {
   COLLIDED_WATCH_CONTACTS = 0, /* collided::Event; persisted, since_ns */
@@ -286,7 +286,7 @@ COLLIDED_API int collided_publisher_flush(collided_publisher* publisher, int64_t
                                           collided_error* error);
 COLLIDED_API int collided_publisher_wait_applied(collided_publisher* publisher, int64_t timeout_ns,
                                                  collided_error* error);
-/* What the server has not taken as it was published; see collided::PublisherReport.
+/* The objects and poses that the server has not taken as they were published; see collided::PublisherReport.
  * report  {"refused":"","left_out":[["name","why"]],"left_out_count":1,"merged_poses":0} */
 COLLIDED_API int collided_publisher_report(collided_publisher* publisher, int64_t timeout_ns, char** report,
                                            collided_error* error);

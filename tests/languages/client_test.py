@@ -628,7 +628,7 @@ class World(WithServer):
                     cleared = self.client.rays([[701, 0.05, 1.05]], [[1, 0, 0]], only=name + "/*")[0]
                     self.assertEqual((cleared.verdict, cleared.hits), (Verdict.UNDECIDED, ()))
         with self.client.publish("py_bad_scan") as publisher:
-            for wrong in ({"unknown": "maybe"}, {"lost": "maybe"}, {"cell": -1}):
+            for wrong in ({"unknown": "maybe"}, {"lost": "maybe"}, {"cell": -1}, {"clearing_delay": -1}):
                 with self.assertRaises(collided.BadInput):
                     publisher.voxels("py_bad_scan", **wrong)
             with publisher.voxels("py_bad_scan", 0.1) as voxels, self.assertRaises(collided.BadInput):

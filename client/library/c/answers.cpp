@@ -40,7 +40,7 @@ Result<void> ask_rows(collided_client* client, const double* rows, std::size_t c
   return {};
 }
 
-/// Where the columns of one hit go.
+/// Writes the columns of one hit.
 void put_hit(const collided_columns& to, std::size_t at, const Hit& hit) {
   if (to.object_id) to.object_id[at] = hit.object_id;
   if (to.triangle) to.triangle[at] = hit.triangle;
@@ -58,7 +58,7 @@ void put_hit(const collided_columns& to, std::size_t at, const Hit& hit) {
   if (to.by_winding) to.by_winding[at] = hit.by_winding ? 1 : 0;
 }
 
-/// The output columns of one question.
+/// Writes the columns of one question.
 void put_answer(const collided_columns& to, std::size_t at, const Answer& answer) {
   if (to.verdict) to.verdict[at] = static_cast<std::uint8_t>(answer.verdict);
   if (to.reason) to.reason[at] = static_cast<std::uint8_t>(answer.reason);

@@ -145,12 +145,15 @@ Result<T> options_of(const char* given, const std::string& what) {
   }
   try {
     return from_json<T>(json, true);
-  } catch (const nlohmann::json::exception& wrong) { return unfit(wrong.what()); }
+  } catch (const nlohmann::json::exception& wrong) {
+    const std::string why = wrong.what();
+    return unfit(why.substr(why.find("] ") + 2));  // behind the number that the JSON library gives its error
+  }
 }
 
 /// Gives the caller a copy of a text, for collided_free_text; a null target does not want it.
 Result<void> hand_out(std::string_view words, char** target);
-/// The same of an answer as JSON. Texts of a damaged file may not be UTF-8.
+/// Gives the caller an answer as JSON. Texts of a damaged file may not be UTF-8.
 template <class Answer>
 Result<void> hand_out_json(const Answer& answer, char** target) {
   if (!target) return {};

@@ -11,7 +11,7 @@
 #include <collided.h>
 #include <collided/client.hpp>
 
-/// What crosses the C interface: structs that may be older than this library, texts that may be null, errors.
+/// Values that cross the C interface: structs that may be older than this library, texts that may be null, errors.
 namespace collided::c {
 
 /// The caller's struct as this library knows it: members that the caller's header has not are as in `defaults`.

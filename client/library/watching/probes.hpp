@@ -10,8 +10,8 @@
 
 namespace collided {
 
-/// What `probes` and a watch report of one; the object is not known where it is absent. The answer of `probes` has what holds
-/// for all readings once.
+/// A reading as `probes` and a watch report it; the object is not known where it is absent. The answer of `probes` has the
+/// members that are common to all readings once.
 constexpr auto fields_of(const ProbeReading*) {
   using T = ProbeReading;
   constexpr auto has_object = [](const T& reading) { return reading.state != Clearance::absent; };

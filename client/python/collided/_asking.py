@@ -139,7 +139,7 @@ class Asking(Commanding):
         timeout: float = 60.0,
         **options: Any,
     ) -> Answers:
-        """Whether configurations would be free, with nothing moved: of each answer a miss is free.
+        """Would configurations be free? Nothing is moved; an answer that is a miss is free.
 
         objects    names of those thought elsewhere
         poses      (n * len(objects), 7) or (n, len(objects), 7): x y z, then w x y z; in each configuration one for each

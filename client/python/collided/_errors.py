@@ -4,7 +4,7 @@ from __future__ import annotations
 
 
 class Error(Exception):
-    """What went wrong, and what to do next.
+    """The reason why a call failed, and what to do next.
 
     hint         the next step or the consequence; may be empty
     retry_after  seconds until the server expects to have room, where it refused for want of it; else 0

@@ -73,12 +73,12 @@ def call(name: str, *arguments: Any) -> int:
 
 def call_for_text(name: str, *arguments: Any) -> Any:
     """Calls a function whose last argument is a text that it returns as JSON; None if it returns none."""
-    told = ctypes.c_void_p()
+    answer = ctypes.c_void_p()
     try:
-        call(name, *arguments, ctypes.byref(told))
-        return json.loads(ctypes.string_at(told)) if told else None
+        call(name, *arguments, ctypes.byref(answer))
+        return json.loads(ctypes.string_at(answer)) if answer else None
     finally:
-        library.collided_free_text(told)
+        library.collided_free_text(answer)
 
 
 def as_json(value: dict[str, Any], what: str) -> bytes:

@@ -19,7 +19,7 @@ from ._voxels import Voxels
 
 @dataclass(frozen=True)
 class PublisherReport:
-    """What the server has not taken as it was published."""
+    """The objects and poses that the server has not taken as they were published."""
 
     refused: str  #: why the server takes nothing of this publisher; empty: it does
     left_out: list[tuple[str, str]]  #: objects that are not in the world as they were defined, and why; at most 20

@@ -207,7 +207,7 @@ def pose(position: Row, orientation: Row) -> list[float]:
 def as_object(
     name: str, position: Row, orientation: Row, scale: Row, layers: int, mask: int, group: int, moving: bool, solid: Solid
 ) -> dict[str, Any]:
-    """What the command `add` takes besides the shape."""
+    """The arguments of the command `add`, without the shape."""
     if solid not in (True, False, "winding"):
         raise BadInput(f'solid is {solid!r}; known are True, False and "winding"', "nothing was sent")
     for value, what in ((layers, "layers"), (mask, "mask"), (group, "group")):
