@@ -8,7 +8,6 @@
 #include <collided/recording.hpp>
 #include <collided/robot.hpp>
 #include <collided/voxels.hpp>
-#include <nlohmann/json.hpp>
 
 #include "client/library/c/values.hpp"
 #include "idl/answers/commands.hpp"
