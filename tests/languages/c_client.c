@@ -672,6 +672,7 @@ int main(int count, char** words) {
   must(collided_connect(options, &client, &error), &error, "connect");
   status = command(client, "status", "{}", NULL);
   expect(has(status, "\"state\":\"ready\"") && has(status, collided_version()) && number_in(status, "pid") > 0, "the status");
+  expect(number_in(status, "age_ns") > 0, "and how old it is");
   rays(client);
   moves_and_events(client);
   refusals(client);

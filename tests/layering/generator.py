@@ -159,6 +159,7 @@ struct Ride {
   std::optional<Vec3> end_m = {};
   std::chrono::nanoseconds world_time{0};
   bool secret = false;
+  std::chrono::nanoseconds age{0};
 };
 struct Trip : Ride {
   Ride::Stop last = {};
@@ -173,7 +174,7 @@ constexpr auto fields_of(const Ride*) {
   using T = Ride;
   return listed(field("answer", &T::verdict), field_if<is_any_of<one, two>>("course", &T::course),
                 fields_if<&T::secret, &T::way, &T::a_triangle>(), unless_default<&T::from>(), fields<&T::stops, &T::end_m>(),
-                field("time_ns", &T::world_time));
+                field("time_ns", &T::world_time), in_seconds<&T::age>());
 }
 constexpr auto fields_of(const Trip*) {
   return listed(fields_of(static_cast<const Ride*>(nullptr)), fields<&Trip::ends>());
@@ -186,7 +187,7 @@ SCHEMA = [
     '    verdict: Verdict = field(metadata={"json": "answer"})\n'
     '    course: str = field(metadata={"words": dict(zip(("", "gone"), COURSE))})\n    way: str\n    a_triangle: int | None\n'
     '    from_: str = field(metadata={"json": "from"})\n    stops: tuple[RideStop, ...]\n    end: Vector | None\n'
-    '    world_time_ns: int = field(metadata={"json": "time_ns"})\n\n\n@dataclass',
+    '    world_time_ns: int = field(metadata={"json": "time_ns"})\n    age_ns: int\n\n\n@dataclass',
     'class Trip(Ride):\n    """\n\n    last\n    ends\n    """\n\n    last: RideStop = field(metadata={"json": ""})\n'
     "    ends: tuple[float, float]\n",
 ]
@@ -228,7 +229,7 @@ def answer_faults(generate):
     with tempfile.TemporaryDirectory() as folder:
         build = pathlib.Path(folder)
         header, description = build / "idl/include/collided/ride.hpp", build / "idl/answers/ride.hpp"
-        for place, text in ((header, ANSWERS_HPP), (description, ANSWERS), (build / "client/include/collided.h", COLLIDED_H)):
+        for place, text in ((header, ANSWERS_HPP), (description, ANSWERS)):
             place.parent.mkdir(parents=True, exist_ok=True)
             place.write_text(text, encoding="utf-8")
         generate.main(build, build)
