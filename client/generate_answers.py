@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Writes the answers that C++ declares as Python dataclasses.  generate_answers.py BUILD_FOLDER SOURCES
 
-client/python/collided/_schema.py  a frozen dataclass for each described struct of a public header (idl/answers), and for those
+client/python/collided/_schema.py  a frozen dataclass for each described struct of a public header, and for those
                                    that come by the C interface
 
 A member has the name that generate.py gives to members of events. Its name in JSON is in the metadata if that is another one;

@@ -141,15 +141,16 @@ class Asking(Commanding):
     ) -> Answers:
         """Would configurations be free? Nothing is moved; an answer that is a miss is free.
 
-        objects    names of those thought elsewhere
-        poses      (n * len(objects), 7) or (n, len(objects), 7): x y z, then w x y z; in each configuration one for each
-                   object, in order
-        against    an object, a scene or a glob; "": everything else
-        clearance  the distance of an answer is its least clearance, negative where something touches, and object names
-                   the moved one; hits() has both of the pair. Without it the first contact found, only its names
-        nearer     metres; with clearance: pairs surely farther apart do not count
+        objects        names of those thought elsewhere
+        poses          (n * len(objects), 7) or (n, len(objects), 7): x y z, then w x y z; in each configuration one for
+                       each object, in order
+        against        an object, a scene or a glob; "": everything else
+        clearance      the distance of an answer is its least clearance, negative where something touches, and object
+                       names the moved one; hits() has both of the pair. Without it the first contact found, only its
+                       names
+        nearer         metres; with clearance: pairs surely farther apart do not count
         with_filtered  also pairs that masks and groups let pass through each other
-        attached   (name, name of what it moves with)
+        attached       (name, name of what it moves with)
         skip, mask, deadline, as_of, importance, fresh: as of other questions"""
         if _numbers.numpy is not None and getattr(poses, "ndim", 2) == 3:
             poses = _numbers.numpy.asarray(poses).reshape(-1, 7)

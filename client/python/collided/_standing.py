@@ -129,8 +129,8 @@ class Standing(Commanding):
     ) -> StandingWatch:
         """Subscribes to standing questions. What holds already comes first, as "inside", "within" and "is".
 
-        only  name glob that the question or one of the two objects must match; empty: everything
-        skip  name glob that none of them may match
+        only      name glob that the question or one of the two objects must match; empty: everything
+        skip      name glob that none of them may match
         capacity  events that may wait to be taken; 0: the default
         """
         return StandingWatch(self._handle, only=only, skip=skip, form=_named("", form).get("form"), capacity=capacity)

@@ -27,8 +27,10 @@ class Voxels(Owned):
     ) -> None:
         code_of(unknown, UNKNOWN_CELLS, "unknown")
         code_of(lost, LOST_POLICY, "lost")
-        options: dict[str, Any] = {"cell": cell, "unknown": unknown, "decay_ns": nanoseconds(decay, "decay"), "reach": number(reach)}
-        options.update(layers=layers, lost=lost, most_blocks=most_blocks, clearing_delay_ns=nanoseconds(clearing_delay, "clearing_delay"))
+        options = {
+            "cell": cell, "unknown": unknown, "decay_ns": nanoseconds(decay, "decay"), "reach": number(reach), "layers": layers,
+            "lost": lost, "most_blocks": most_blocks, "clearing_delay_ns": nanoseconds(clearing_delay, "clearing_delay"),
+        }
         words = encoded(name, "the name"), as_json(options, "voxels")
         handle = ctypes.c_void_p()
         call("voxels_start", publisher._handle, *words, ctypes.byref(handle))
