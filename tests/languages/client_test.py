@@ -50,6 +50,13 @@ def rays(count, seed=SEED):
     return origins, directions
 
 
+def wait_in_step(*watches):
+    """Until they report what begins, rather than what holds already."""
+    until = time.monotonic() + 20
+    while not all(watch.in_step for watch in watches) and time.monotonic() < until:
+        time.sleep(0.01)
+
+
 class WithServer(unittest.TestCase):
     def setUp(self):
         self.client = collided.connect(domain=DOMAIN)
@@ -406,15 +413,14 @@ class World(WithServer):
     ]
 
     def test_every_shape(self):
-        kinds = {}
         for i, shape in enumerate(self.SHAPES):
             moving = not isinstance(shape, collided.HalfSpace)
             self.client.add(f"py_shape{i}", shape, (200 + 10 * i, 0, 0), moving=moving)
-            kinds[f"py_shape{i}"] = type(shape).__name__.lower()
         try:
             listed = self.client.list("py_shape*", limit=3)
             self.assertEqual((len(listed.objects), listed.count), (3, len(self.SHAPES)))
-            self.assertEqual([listed.objects[0].kind, self.client.list("py_shape*", moving=False).count], ["sphere", 1])
+            (ball,) = self.client.list("py_shape0").objects
+            self.assertEqual([ball.kind, self.client.list("py_shape*", moving=False).count], ["sphere", 1])
             self.assertEqual(self.client.ray((200, 0, 5), (0, 0, -1), only="py_shape0").hits[0].distance, 4.7)
             above = self.client.ray((290.25, 0.125, 5), (0, 0, -1), only="py_shape9").hits[0]
             self.assertAlmostEqual(above.distance, 5 - 0.15, delta=1e-12)  # between 0, 0.1, 0.2 and 0.3
@@ -435,9 +441,7 @@ class World(WithServer):
         self.client.add_region("py_zone", collided.Box((1, 1, 1), (503, 0, 0)), only="py_guest*", detect=("enter", "exit"))
         self.assertEqual(self.client.add_bands("py_close", "py_post", "py_guest*", [2, 1], hysteresis=0.25), 0)
         with self.client.watch_standing("py_*", form="region") as region, self.client.watch_standing("py_*", form="bands") as bands:
-            until = time.monotonic() + 20
-            while not (region.in_step and bands.in_step) and time.monotonic() < until:
-                time.sleep(0.01)
+            wait_in_step(region, bands)
             self.client.add("py_guest", collided.Sphere(0.5), (510, 0, 0))
             self.client.move("py_guest", (502.5, 0, 0))
             listed = self.client.standing("py_*", "region")
@@ -477,9 +481,7 @@ class World(WithServer):
         self.client.add_nearest("py_light", "py_lamp_*", "py_walker", 20)
         self.client.add_nearest("py_corner", "py_lamp_*", (511, 50, 0), 20)
         with self.client.watch_standing("py_light", capacity=1000) as watch:
-            until = time.monotonic() + 20
-            while not watch.in_step and time.monotonic() < until:
-                time.sleep(0.01)
+            wait_in_step(watch)
             first = watch.next(20)
             self.assertEqual((first.kind, first.form, first.standing, first.object), ("is", "nearest", "py_light", "py_lamp_a"))
             self.assertAlmostEqual(first.distance, 1, delta=1e-9)
@@ -513,9 +515,7 @@ class World(WithServer):
             self.addCleanup(self.client.remove_standing, name)
         watched = []
         with self.client.watch_standing("py_[bgw]*") as watch:
-            until = time.monotonic() + 20
-            while not watch.in_step and time.monotonic() < until:
-                time.sleep(0.01)
+            wait_in_step(watch)
             self.client.move("py_truck", (910, 0, 0))
             self.client.move("py_truck", (900, 0, 0))
             while len(watched) < 12:  # 2 of the region, 8 of the bands, 2 of the nearest
@@ -570,6 +570,7 @@ class World(WithServer):
         self.client.add_region("py_yard", collided.Box((1, 1, 1), (800, 20, 2)), only="py_m*")
         self.addCleanup(self.client.remove_standing, "py_yard")
         with self.client.watch_standing("py_yard") as yard:
+            wait_in_step(yard)
             self.client.move("py_mast", (800, 20, 2))
             entered = yard.next(20)
             self.client.move("py_mast", (800, 0, 0.25))
