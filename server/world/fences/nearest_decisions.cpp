@@ -156,9 +156,20 @@ void NearestDecisions::decide_piece(NearestAsked& asked, Stretch piece) {
     if (!change) return;
     tell(asked, *change);
     piece.from_ns = change->bracket.high_ns;
-    if (piece.from_ns >= piece.to_ns) return;
+    if (piece.from_ns >= piece.to_ns) return decide_end(asked, {change->bracket.low_ns, piece.to_ns});
   }
   ++cost_.sweeps_skipped;
+}
+
+/// After a change in the last nanosecond of a piece: what happened in the rest of it is not found, but its end counts,
+/// since nothing may move for long after it.
+void NearestDecisions::decide_end(NearestAsked& asked, const BracketNs& last) {
+  const std::int64_t to_ns = last.high_ns;
+  find_candidates(asked, grown(bounds_about(asked, {to_ns, to_ns}), reach_m(asked, {to_ns, to_ns})));
+  const std::uint32_t other = nearest_of_found(asked, to_ns);
+  const bool is_nearer = other != kNone && is_surely_nearer(asked, other, to_ns);
+  const bool has_left = asked.nearest != kNone && is_surely_nearer(asked, kNone, to_ns);
+  if (is_nearer || has_left) tell(asked, {other, last});
 }
 
 /// Ends what was and begins what is, with the distance at the end of the bracket.

@@ -78,6 +78,7 @@ class NearestDecisions {
   void decide_pieces(NearestAsked& asked, std::int64_t to_ns);
   std::vector<std::int64_t> cuts(const NearestAsked& asked, std::int64_t to_ns) const;
   void decide_piece(NearestAsked& asked, Stretch piece);
+  void decide_end(NearestAsked& asked, const BracketNs& last);
   void tell(NearestAsked& asked, const Change& change);
   std::int64_t clock_error_ns(const NearestAsked& asked, std::uint32_t other) const;
   const OpenContact* open_of(std::uint32_t fence) const;

@@ -49,6 +49,26 @@ TEST_F(NearestTest, APassageBetweenTwoPosesIsReportedWithTheReturn) {
   expect_at(3, 1 + (30 + std::sqrt(12.0)) / 60);
 }
 
+// A pose that comes late is dated right after what is decided, and a whole passage may lie in a nanosecond.
+TEST_F(NearestTest, APassageInANanosecondEndsWithWhatIsNearestThen) {
+  ask("post", "*", {.within_m = 20});
+  add("post", ball(0.5), {0, 0, 0}, kStill);
+  add("lamp", ball(0.5), {0, 4, 0}, kStill);
+  const ObjectId drone = add("drone", ball(0.5), {-30, 2, 0});
+  EXPECT_EQ(step_with(drone, {-30, 2, 0}, 1), Lines{"began lamp near"});
+  EXPECT_EQ(step_with(drone, {30, 2, 0}, 1 + 1e-9),
+            (Lines{"ended lamp near goes on", "began drone near", "ended drone near goes on", "began lamp near"}));
+  EXPECT_EQ(step_with(drone, {30, 2, 0}, 2), Lines());
+}
+
+// The same where nothing is near at the end.
+TEST_F(NearestTest, APassageInANanosecondMayEndWithNothingNear) {
+  ask("", "drone", {.within_m = 5});
+  const ObjectId drone = add("drone", ball(0.5), {-30, 2, 0});
+  EXPECT_EQ(step_with(drone, {-30, 2, 0}, 1), Lines());
+  EXPECT_EQ(step_with(drone, {30, 2, 0}, 1 + 1e-9), (Lines{"began drone near", "ended drone near"}));
+}
+
 TEST_F(NearestTest, BeyondItsReachNoObjectIsNearest) {
   ask("", "drone", {.within_m = 5, .hysteresis_m = 1});
   const ObjectId drone = add("drone", ball(0.5), {20.5, 0, 0});
