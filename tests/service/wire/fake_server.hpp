@@ -33,8 +33,9 @@ class FakeServer {
  public:
   static constexpr std::uint64_t kWall = 7 + (std::uint64_t{3} << 32);
 
+  /// beats  false: nothing is heard of it before `beating` is set
   explicit FakeServer(const std::string& name_space, std::uint64_t server = 1,
-                      const dds::ParticipantOptions& options = far_side())
+                      const dds::ParticipantOptions& options = far_side(), bool beats = true)
       : server_(server),
         participant_(options),
         query_topic_(participant_, name_space),
@@ -60,6 +61,7 @@ class FakeServer {
     status->pid = 4711;
     static_cast<void>(dds::set_text(status->namespace_name, name_space));
     static_cast<void>(dds::set_text(status->scenes, "warehouse\nyard"));
+    beating = beats;
     helper_ = std::thread([this] { help(); });
   }
   ~FakeServer() {

@@ -289,9 +289,10 @@ TEST_F(ClientWatch, RestartedServerEndsWhatItNoLongerHolds) {
   ASSERT_TRUE(eventually([&] { return !watch.connected(); }));
   FakeServer second(
       test::own_namespace(), 2,
-      {.domain = test::own_domain(), .role = dds::Role::server, .process_domain = test::own_domain() + 200'000});
+      {.domain = test::own_domain(), .role = dds::Role::server, .process_domain = test::own_domain() + 200'000}, false);
   EventTeller anew(second);
-  anew.began({3, 4});
+  anew.began({3, 4});  // before its first status, which says what holds
+  second.beating = true;
   const Event ended = next(watch);
   EXPECT_EQ(ended.kind, EventKind::ended);
   EXPECT_EQ(ended.reason, EndReason::server_restarted);
