@@ -96,10 +96,10 @@ class WebServer::Running {
   std::map<std::uint64_t, Request*> reading_;    // without a whole request, the oldest first
   std::map<std::uint64_t, Request*> answering_;  // that are sent a page, the oldest first
   std::uint64_t newest_turn_ = 0;
-  Request* uploading_ = nullptr;  // whose file is received or read
+  Request* uploading_ = nullptr;  // the one with a file that is received or read
   asio::io_context context_{1};   // owns the connections, which use the members above
-  asio::thread_pool files_{
-      1};  // writes and reads uploaded files, so that the other connections do not wait for the disk
+  // Writes and reads uploaded files, so that the other connections do not wait for the disk.
+  asio::thread_pool files_{1};
   tcp::acceptor acceptor_{context_};
   asio::steady_timer pause_{context_};
   asio::steady_timer tick_{context_};
