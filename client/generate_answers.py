@@ -20,7 +20,7 @@ LEFT_OUT = ("LoadOptions", "OutlinedStanding", "Added", "Moved", "Removed", "Rul
 # These come by the C interface, with all their members.
 BY_C = ("Hit", "VoxelScan")
 PLAIN = {"bool": "bool", "string": "str", "double": "float", "Vec3": "Vector", "Pose": "Pose", "chrono::nanoseconds": "int",
-         "uint32_t": "int", "uint64_t": "int", "size_t": "int"}
+         "uint32_t": "int", "uint64_t": "int", "size_t": "int", "Event": "Event", "StandingEvent": "StandingEvent"}
 
 Struct = collections.namedtuple("Struct", "name comment base members aliases")
 
@@ -143,7 +143,7 @@ def schema_py(structs, types, codes, words):
     names = sorted({snake(codes[kind]).upper() for kind in words if kind in codes})
     head = ['"""Generated from the C++ headers and idl/answers by client/generate_answers.py: answers of the server."""', "",
             "from dataclasses import dataclass, field", "", f"from ._contract import {', '.join(names)}",
-            "from ._described import Judged, Verdict", "", "Vector = tuple[float, float, float]",
+            "from ._described import Judged, Verdict", "from ._events import Event, StandingEvent", "", "Vector = tuple[float, float, float]",
             "Pose = tuple[float, float, float, float, float, float, float]", "",
             "__all__ = ["] + [f'    "{name}",' for name in sorted(map(class_name, made))] + ["]"]
     return "\n".join([*head, *lines, ""])

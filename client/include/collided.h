@@ -75,6 +75,33 @@ COLLIDED_API int collided_connect(const char* options, collided_client** client,
 /* No other call for this client may be in flight. Its watches and publishers keep the connection that they need. */
 COLLIDED_API void collided_close(collided_client* client);
 
+/* ---- Shapes ---- */
+
+typedef enum collided_kind {
+  COLLIDED_SPHERE = 0,       /* numbers: center 3, radius */
+  COLLIDED_BOX = 1,          /* half 3, center 3, orientation 4 */
+  COLLIDED_CAPSULE = 2,      /* a 3, b 3, radius */
+  COLLIDED_CYLINDER = 3,     /* a 3, b 3, radius */
+  COLLIDED_CONE = 4,         /* apex 3, base 3, radius */
+  COLLIDED_ELLIPSOID = 5,    /* half 3, center 3, orientation 4 */
+  COLLIDED_HALF_SPACE = 6,   /* normal 3, point 3 */
+  COLLIDED_HULL = 7,         /* points */
+  COLLIDED_MESH = 8,         /* points, triangles */
+  COLLIDED_HEIGHT_FIELD = 9, /* columns, spacing x, spacing y; points: one number each, the heights */
+  COLLIDED_CLOUD = 10,       /* radius; points */
+  COLLIDED_POLYLINE = 11     /* radius; points */
+} collided_kind;
+
+typedef struct collided_part {
+  uint32_t size;
+  int32_t kind;
+  double numbers[10];
+  const double* points;
+  size_t point_count;
+  const uint32_t* triangles; /* three point numbers each */
+  size_t triangle_count;
+} collided_part;
+
 /* ---- Questions ---- */
 
 /* Kinds of questions, and the numbers of a row; each row is one question. */
@@ -84,7 +111,8 @@ enum {
   COLLIDED_ASK_SPHERES = 1, /* 4: center 3, radius_m */
   COLLIDED_ASK_BOXES = 2,   /* 10: center 3, half_m 3, orientation 4 */
   COLLIDED_ASK_NEAREST = 3, /* 4: point 3, within_m (INFINITY: no limit) */
-  COLLIDED_ASK_INSIDE = 4   /* 3: point 3. Which solids hold it? */
+  COLLIDED_ASK_INSIDE = 4,  /* 3: point 3. Which solids hold it? */
+  COLLIDED_ASK_SWEEPS = 5   /* 14: pose at time 0, pose at time 1. What does the shape of the options meet first? */
 };
 
 /* Zero stands for the default of collided::AskOptions except for `mask`, where 0 lets nothing answer. Therefore begin
@@ -103,6 +131,9 @@ typedef struct collided_ask_options {
   collided_importance importance;
   collided_instant_kind instant;
   int64_t instant_ns;
+  /* The shape that COLLIDED_ASK_SWEEPS moves; null for other kinds. The parts are laid out as those of collided_command. */
+  const collided_part* shape;
+  size_t shape_parts;
 } collided_ask_options;
 COLLIDED_API void collided_ask_defaults(collided_ask_options* options, uint32_t size);
 
@@ -180,31 +211,6 @@ COLLIDED_API void collided_free_answers(collided_answers* answers);
 
 /* ---- Commands ---- */
 
-typedef enum collided_kind {
-  COLLIDED_SPHERE = 0,       /* numbers: center 3, radius */
-  COLLIDED_BOX = 1,          /* half 3, center 3, orientation 4 */
-  COLLIDED_CAPSULE = 2,      /* a 3, b 3, radius */
-  COLLIDED_CYLINDER = 3,     /* a 3, b 3, radius */
-  COLLIDED_CONE = 4,         /* apex 3, base 3, radius */
-  COLLIDED_ELLIPSOID = 5,    /* half 3, center 3, orientation 4 */
-  COLLIDED_HALF_SPACE = 6,   /* normal 3, point 3 */
-  COLLIDED_HULL = 7,         /* points */
-  COLLIDED_MESH = 8,         /* points, triangles */
-  COLLIDED_HEIGHT_FIELD = 9, /* columns, spacing x, spacing y; points: one number each, the heights */
-  COLLIDED_CLOUD = 10,       /* radius; points */
-  COLLIDED_POLYLINE = 11     /* radius; points */
-} collided_kind;
-
-typedef struct collided_part {
-  uint32_t size;
-  int32_t kind;
-  double numbers[10];
-  const double* points;
-  size_t point_count;
-  const uint32_t* triangles; /* three point numbers each */
-  size_t triangle_count;
-} collided_part;
-
 /* Sends any command. Arguments and answer are JSON objects, which idl/commands.hpp and idl/command_table.hpp of the sources
  * describe: among others "pair" and "clearance" (how objects stand to each other), "add", "move" and "remove" (objects that
  * outlive this client), "allow", "deny", "attach", "detach", "fence" and "fences" (standing questions), "probe",
@@ -217,12 +223,17 @@ COLLIDED_API int collided_command(collided_client* client, const char* name, con
                                   const collided_part* parts, size_t part_count, int64_t timeout_ns, char** answer,
                                   collided_error* error);
 
-/* Reads what standing questions reported in a recording (collide record); no server is needed. See
- * collided::recorded_standing_events.
- * options  only, skip, from, to; the last two are {"since":"1970","offset_ns":0}, where since is 1970, begin or end
- * events   {"events":[...],"begin_ns":0,"end_ns":0,"lost":0,"warnings":[]}, with events as from collided_watch_next */
-COLLIDED_API int collided_recorded_standing(const char* path, const char* options, char** events,
-                                            collided_error* error);
+/* Calls a function of the library that needs no collided_client, and returns when it is done. Names of arguments are those of
+ * the C++ members; all but the last two take
+ * the options of collided_connect beside their own.
+ * name       "diagnose": collided::diagnose, {"findings":[...]}
+ *            "fleet": collided::fleet
+ *            "replay": path, rate, ask, from, to; collided::replay
+ *            "fetch_recording": path, last_ns; {"bytes":1000}
+ *            "recorded_events", "recorded_standing": path, only, skip, from, to; the events of a recording (collide record)
+ * arguments  from and to are {"since":"1970","offset_ns":0}, where since is 1970, begin or end
+ * answer     JSON; may be null */
+COLLIDED_API int collided_library(const char* name, const char* arguments, char** answer, collided_error* error);
 
 /* ---- Watches ---- */
 

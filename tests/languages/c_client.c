@@ -238,6 +238,37 @@ static void moves_and_events(collided_client* client) {
   expect(has(command(client, "remove", "{\"name\":\"c_wall\"}", NULL), "\"removed\":[\"c_wall\"]"), "one object removed");
 }
 
+/* A ball of radius 0.5 goes 4 m to a box whose face is 2.5 m away. */
+static void sweeps(collided_client* client) {
+  const double motions[28] = {0, 0, 200, 1, 0, 0, 0, 4, 0, 200, 1, 0, 0, 0, 0, 0, 200, 1, 0, 0, 0, 1, 0, 200, 1, 0, 0, 0};
+  const collided_part wall = box(0.5, 3), probe = ball(0.5);
+  collided_ask_options options;
+  collided_error error;
+  collided_answers* answers = NULL;
+  collided_columns columns;
+  unsigned char verdicts[2];
+  double low[2], high[2];
+  error.size = sizeof error;
+  command(client, "add", "{\"name\":\"c_gate\",\"pose\":[0,0,200,1,0,0,0]}", &wall);
+  collided_ask_defaults(&options, sizeof options);
+  expect(collided_ask(client, COLLIDED_ASK_SWEEPS, motions, 2, &options, &answers, &error) == COLLIDED_BAD_INPUT, "no shape");
+  options.only = "c_gate";
+  options.shape = &probe;
+  options.shape_parts = 1;
+  must(collided_ask(client, COLLIDED_ASK_SWEEPS, motions, 2, &options, &answers, &error), &error, "sweep");
+  memset(&columns, 0, sizeof columns);
+  columns.size = sizeof columns;
+  columns.first_hits = 1;
+  columns.verdict = verdicts;
+  columns.time_low = low;
+  columns.time_high = high;
+  collided_read_columns(answers, &columns);
+  expect(verdicts[0] == COLLIDED_HIT && low[0] <= 0.5 && high[0] >= 0.5 && high[0] - low[0] < 1e-5, "the first contact");
+  expect(verdicts[1] == COLLIDED_MISS, "a motion that is free");
+  collided_free_answers(answers);
+  command(client, "remove", "{\"name\":\"c_gate\"}", NULL);
+}
+
 static void refusals(collided_client* client) {
   collided_error error;
   collided_answers* answers = NULL;
@@ -249,7 +280,7 @@ static void refusals(collided_client* client) {
   expect(collided_ask(client, COLLIDED_ASK_RAYS, zero, 1, NULL, &answers, &error) == COLLIDED_BAD_INPUT, "no direction");
   expect(error.code == COLLIDED_BAD_INPUT && strlen(error.message) > 10 && answers == NULL, "and why");
   expect(collided_ask(client, COLLIDED_ASK_RAYS, NULL, 1, NULL, &answers, &error) == COLLIDED_BAD_INPUT, "no array");
-  expect(collided_ask(client, 5, zero, 1, NULL, &answers, &error) == COLLIDED_BAD_INPUT, "no such question");
+  expect(collided_ask(client, 6, zero, 1, NULL, &answers, &error) == COLLIDED_BAD_INPUT, "no such question");
   expect(collided_ask(NULL, COLLIDED_ASK_RAYS, zero, 1, NULL, &answers, NULL) == COLLIDED_BAD_INPUT, "no client");
   expect(refused(client, "pair", "{\"a\":\"nosuch\",\"b\":\"neither\"}", NULL) == COLLIDED_REFUSED, "unknown names");
   expect(refused(client, "list", "[2]", NULL) == COLLIDED_BAD_INPUT, "not an object");
@@ -482,13 +513,15 @@ static void recordings(collided_client* client) {
   collided_error error;
   char* events = NULL;
   char path[1024];
+  char arguments[1200];
   const char* found = strstr(command(client, "recording", "{\"last_s\":60}", NULL), "\"path\":\"");
   const char* first;
   error.size = sizeof error;
   expect(found != NULL, "where the recording is");
   if (found == NULL) return;
   sscanf(found + strlen("\"path\":\""), "%1023[^\"]", path);
-  must(collided_recorded_standing(path, "{\"only\":\"c_*\"}", &events, &error), &error, "read it");
+  sprintf(arguments, "{\"path\":\"%.1000s\",\"only\":\"c_*\"}", path);
+  must(collided_library("recorded_standing", arguments, &events, &error), &error, "read it");
   expect(has(events, "\"lost\":0") && has(events, "\"warnings\":[]") && number_in(events, "begin_ns") < number_in(events, "end_ns"),
          "nothing is missing");
   expect(count_of(events, "\"standing\":\"c_dock\"") >= 3 && count_of(events, "\"standing\":\"c_close\"") >= 2 &&
@@ -497,13 +530,19 @@ static void recordings(collided_client* client) {
   expect(first != NULL && has(first, "\"kind\":\"enter\"") && strstr(first, "\"kind\":") == strstr(first, "\"kind\":\"enter\"") &&
              strstr(first, "\"object\":") == strstr(first, "\"object\":\"c_cart\""), "the cart enters first");
   collided_free_text(events);
-  must(collided_recorded_standing(path, "{\"from\":{\"since\":\"end\",\"offset_ns\":1}}", &events, &error), &error,
-       "read what holds at its end");
+  sprintf(arguments, "{\"path\":\"%.1000s\",\"from\":{\"since\":\"end\",\"offset_ns\":1}}", path);
+  must(collided_library("recorded_standing", arguments, &events, &error), &error, "read what holds at its end");
   expect(has(events, "\"events\":[]"), "nothing is left");
   collided_free_text(events);
-  expect(collided_recorded_standing(path, "{\"to\":{\"since\":\"noon\"}}", &events, &error) == COLLIDED_BAD_INPUT && events == NULL,
-         "since when");
-  expect(collided_recorded_standing("/nowhere.mcap", NULL, &events, &error) == COLLIDED_BAD_INPUT, "no file");
+  sprintf(arguments, "{\"path\":\"%.1000s\",\"only\":\"c_*\"}", path);
+  must(collided_library("recorded_events", arguments, &events, &error), &error, "read its contacts");
+  expect(has(events, "\"lost\":0") && has(events, "\"scenes\":["), "contacts of a recording");
+  collided_free_text(events);
+  sprintf(arguments, "{\"path\":\"%.1000s\",\"to\":{\"since\":\"noon\"}}", path);
+  expect(collided_library("recorded_standing", arguments, &events, &error) == COLLIDED_BAD_INPUT && events == NULL, "since when");
+  expect(collided_library("recorded_standing", "{\"path\":\"/nowhere.mcap\"}", &events, &error) == COLLIDED_BAD_INPUT, "no file");
+  expect(collided_library("recorded", "{}", &events, &error) == COLLIDED_BAD_INPUT && has(error.message, "known are diagnose, fleet"),
+         "no such function");
 }
 
 /* Why a ray meets the floor and neither the glass nor the mast, and what is behind a region and an event of it. */
@@ -674,6 +713,7 @@ int main(int count, char** words) {
   expect(has(status, "\"state\":\"ready\"") && has(status, collided_version()) && number_in(status, "pid") > 0, "the status");
   expect(number_in(status, "age_ns") > 0, "and how old it is");
   rays(client);
+  sweeps(client);
   moves_and_events(client);
   refusals(client);
   groups(client);

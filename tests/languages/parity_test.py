@@ -32,20 +32,19 @@ NO_MEMBER = {
 }
 # Options that Python lacks.
 NO_OPTION = {
-    "ClearanceOptions": {"progress"},  # a function that the library calls
+    "ClearanceOptions": {"progress"},  # a function that the library calls, as the next two
+    "ReplayOptions": {"go_on", "at_end"},
 }
-# Options of calls that Python lacks: replay, pictures, shapes and shards are for programs in C++.
-NO_CALL_WITH = {"ReplayOptions", "PictureOptions", "ShapesOptions", "ShardSplitOptions"}
+# Options of calls that Python lacks: pictures, shapes and shards are for programs in C++.
+NO_CALL_WITH = {"PictureOptions", "ShapesOptions", "ShardSplitOptions"}
 # Calls that the C interface lacks. command_with_bytes and upload take bytes, ask_async is a thread of the caller's own in Python.
 NO_CALL = {
-    "Client": {"sweep", "shapes", "poses", "command_with_bytes", "upload", "strangers", "ask_async"},
+    "Client": {"shapes", "poses", "command_with_bytes", "upload", "strangers", "ask_async"},
     "Publisher": {"reshape"},
 }
-# Functions that the C interface lacks: of recordings, of the fleet, of robots' links, and the check of a proof.
-NO_FUNCTION = {
-    "record", "fetch_recording", "recorded_events", "recorded_picture", "replay", "diagnose", "fleet", "fleet_findings", "split_shard",
-    "robot_objects", "what_if", "proves",
-}
+# Functions that the C interface lacks: `collide record` writes recordings, pictures are for viewers, fleet() has the findings,
+# `collide fleet split` splits a shard, a PublishedRobot knows its links, what_if() of a robot and the check of a proof take structs.
+NO_FUNCTION = {"record", "recorded_picture", "fleet_findings", "split_shard", "robot_objects", "what_if", "proves"}
 # Commands that have no call of their own and are sent by command().
 COMMAND_ALONE = {
     "audit", "menu", "figures", "steps", "recording", "covers", "accept_loss", "sampled", "handover", "settled", "shard",
@@ -90,7 +89,8 @@ OPTIONS = {
     "LoadOptions": [collided.Client.load],
     "ClearOptions": [collided.Client.clear],
     "ListOptions": [collided.Client.list],
-    "RecordedEventsOptions": [collided.recorded_standing_events],
+    "RecordedEventsOptions": [collided.recorded_events, collided.recorded_standing_events],
+    "ReplayOptions": [collided.replay],
 }
 # Each call of Python that sends a command, with everything that it can send.
 SENT = [

@@ -114,10 +114,11 @@ struct RecordedEventsOptions {
 /// The events of a recording.
 struct RecordedEvents {
   std::vector<Event> events;
-  std::chrono::nanoseconds begin{0}, end{0};  // of the recording
-  std::vector<std::string> scenes;            // names of those that the server had loaded, by its last status
-  std::uint64_t lost = 0;                     // known to have been sent, but not in the file
-  std::vector<std::string> warnings;          // damage of the file, events that are lost, contacts of unknown age
+  std::chrono::nanoseconds begin{0};  // of the recording
+  std::chrono::nanoseconds end{0};
+  std::vector<std::string> scenes;    // names of those that the server had loaded, by its last status
+  std::uint64_t lost = 0;             // known to have been sent, but not in the file
+  std::vector<std::string> warnings;  // damage of the file, events that are lost, contacts of unknown age
 };
 
 /// Reads the events of a recording; no server is needed. What held before `from` comes first, as `open`, then each
@@ -127,9 +128,10 @@ Result<RecordedEvents> recorded_events(const std::string& path, const RecordedEv
 /// The events of a recording's standing questions.
 struct RecordedStandingEvents {
   std::vector<StandingEvent> events;
-  std::chrono::nanoseconds begin{0}, end{0};  // of the recording
-  std::uint64_t lost = 0;                     // known to have been sent, but not in the file
-  std::vector<std::string> warnings;          // damage of the file, events that are lost, stays of unknown age
+  std::chrono::nanoseconds begin{0};  // of the recording
+  std::chrono::nanoseconds end{0};
+  std::uint64_t lost = 0;             // known to have been sent, but not in the file
+  std::vector<std::string> warnings;  // damage of the file, events that are lost, stays of unknown age
 };
 
 /// Reads them; no server is needed. They are what a StandingWatch would have reported: what held before `from` first, as

@@ -1,6 +1,9 @@
 #include <algorithm>
+#include <cstddef>
 #include <limits>
 #include <memory>
+#include <span>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -24,17 +27,52 @@ struct collided_answers {
 
 namespace {
 
-/// Makes a question of each row and asks them. The memory of earlier answers is used again.
 template <std::size_t kWidth, class Make>
-Result<void> ask_rows(collided_client* client, const double* rows, std::size_t count,
-                      const collided_ask_options* options, collided_answers** answers, const Make& make) {
+auto questions_of(const double* rows, std::size_t count, const Make& make) {
   std::vector<decltype(make(rows))> questions;
   questions.reserve(count);
   for (std::size_t i = 0; i < count; ++i) questions.push_back(make(rows + kWidth * i));
+  return questions;
+}
+
+/// The rows as questions, of which they have the layout: nothing is copied.
+template <class Q>
+std::span<const Q> laid_out(const double* rows, std::size_t count) {
+  static_assert(std::is_standard_layout_v<Q> && alignof(Q) == alignof(double));
+  return {reinterpret_cast<const Q*>(rows), count};
+}
+static_assert(sizeof(RayQuestion) == 7 * sizeof(double) && offsetof(RayQuestion, length_m) == 6 * sizeof(double));
+static_assert(sizeof(SphereQuestion) == 4 * sizeof(double) && offsetof(SphereQuestion, radius_m) == 3 * sizeof(double));
+static_assert(sizeof(NearQuestion) == 4 * sizeof(double) && offsetof(NearQuestion, within_m) == 3 * sizeof(double));
+static_assert(sizeof(InsideQuestion) == 3 * sizeof(double));
+
+/// Asks the questions. The memory of earlier answers is used again.
+template <class Questions>
+Result<void> ask_all(collided_client* client, const Questions& questions, const collided_ask_options* options,
+                     collided_answers** answers) {
   std::unique_ptr<collided_answers> kept(std::exchange(*answers, nullptr));
   if (!kept) kept = std::make_unique<collided_answers>();
   Result<Answers> said = client->client.ask(questions, ask_options(options), std::move(kept->answers));
   if (!said) return said.error();
+  kept->take(std::move(*said));
+  *answers = kept.release();
+  return {};
+}
+
+Pose pose_in(const double* numbers) { return {.position = vector(numbers), .rotation = rotation(numbers + 3)}; }
+
+/// Asks what the shape of the options meets on each motion. The memory of earlier answers is given back.
+Result<void> ask_sweeps(collided_client* client, const double* rows, std::size_t count,
+                        const collided_ask_options* options, collided_answers** answers) {
+  const collided_ask_options given = taken(options);
+  const Result<Shape> shape = shape_of(given.shape, given.shape_parts);
+  if (!shape) return shape.error();
+  const std::vector<SweepQuestion> motions = questions_of<14>(
+      rows, count, [](const double* row) { return SweepQuestion{.from = pose_in(row), .to = pose_in(row + 7)}; });
+  delete std::exchange(*answers, nullptr);
+  Result<Answers> said = client->client.sweep(*shape, motions, ask_options(options));
+  if (!said) return said.error();
+  auto kept = std::make_unique<collided_answers>();
   kept->take(std::move(*said));
   *answers = kept.release();
   return {};
@@ -144,27 +182,18 @@ int collided_ask(collided_client* client, collided_question kind, const double* 
     if (!client) return missing("client");
     if (!answers) return missing("answers");
     if (count > 0 && !rows) return missing("an array of numbers");
-    const auto ask = [&]<std::size_t kWidth>(const auto& make) {
-      return ask_rows<kWidth>(client, rows, count, options, answers, make);
-    };
+    const auto ask = [&](const auto& questions) { return ask_all(client, questions, options, answers); };
     switch (kind) {
-      case COLLIDED_ASK_RAYS:
-        return ask.operator()<7>([](const double* row) {
-          return RayQuestion{.origin = vector(row), .direction = vector(row + 3), .length_m = row[6]};
-        });
-      case COLLIDED_ASK_SPHERES:
-        return ask.operator()<4>(
-            [](const double* row) { return SphereQuestion{.center = vector(row), .radius_m = row[3]}; });
+      case COLLIDED_ASK_RAYS: return ask(laid_out<RayQuestion>(rows, count));
+      case COLLIDED_ASK_SPHERES: return ask(laid_out<SphereQuestion>(rows, count));
       case COLLIDED_ASK_BOXES:
-        return ask.operator()<10>([](const double* row) {
+        return ask(questions_of<10>(rows, count, [](const double* row) {
           return BoxQuestion{.center = vector(row), .half_m = vector(row + 3), .rotation = rotation(row + 6)};
-        });
-      case COLLIDED_ASK_NEAREST:
-        return ask.operator()<4>(
-            [](const double* row) { return NearQuestion{.point = vector(row), .within_m = row[3]}; });
-      case COLLIDED_ASK_INSIDE:
-        return ask.operator()<3>([](const double* row) { return InsideQuestion{.point = vector(row)}; });
-      default: return unknown_kind("question", kind, 4);
+        }));
+      case COLLIDED_ASK_NEAREST: return ask(laid_out<NearQuestion>(rows, count));
+      case COLLIDED_ASK_INSIDE: return ask(laid_out<InsideQuestion>(rows, count));
+      case COLLIDED_ASK_SWEEPS: return ask_sweeps(client, rows, count, options, answers);
+      default: return unknown_kind("question", kind, 5);
     }
   });
 }
@@ -184,8 +213,7 @@ int collided_what_if(collided_client* client, const char* objects, const double*
     }
     const WhatIfOptions how = what_if_options(options, *imagined);
     WhatIfConfigurations made{.objects = std::move(imagined->objects), .poses = {}};
-    for (std::size_t i = 0; i < count * made.objects.size(); ++i)
-      made.poses.push_back({.position = vector(poses + 7 * i), .rotation = rotation(poses + 7 * i + 3)});
+    for (std::size_t i = 0; i < count * made.objects.size(); ++i) made.poses.push_back(pose_in(poses + 7 * i));
     delete std::exchange(*answers, nullptr);
     const Result<WhatIfAnswers> said = client->client.what_if(made, how);
     if (!said) return said.error();

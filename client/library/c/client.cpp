@@ -1,18 +1,8 @@
-#include "client/library/c/event_fields.hpp"
 #include "client/library/c/options.hpp"
 #include "client/library/connection/described_status.hpp"
 
 using namespace collided;
 using namespace collided::c;
-
-namespace collided {
-
-constexpr auto fields_of(const RecordedStandingEvents*) {
-  using T = RecordedStandingEvents;
-  return fields<&T::events, &T::begin, &T::end, &T::lost, &T::warnings>();
-}
-
-}  // namespace collided
 
 namespace {
 
@@ -61,18 +51,6 @@ int collided_command(collided_client* client, const char* name, const char* argu
     const Result<std::string> said = client->client.command(text(name), text(arguments), *shape, timeout);
     if (!said) return said.error();
     return hand_out(*said, answer);
-  });
-}
-
-int collided_recorded_standing(const char* path, const char* options, char** events, collided_error* error) {
-  return guarded(error, [&]() -> Result<void> {
-    if (!path) return missing("path");
-    if (events) *events = nullptr;
-    const Result<RecordedEventsOptions> asked = options_of<RecordedEventsOptions>(options, "recorded events");
-    if (!asked) return asked.error();
-    const Result<RecordedStandingEvents> read = recorded_standing_events(path, *asked);
-    if (!read) return read.error();
-    return hand_out_json(*read, events);
   });
 }
 

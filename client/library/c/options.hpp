@@ -5,7 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include <collided/recording.hpp>
 #include <collided/robot.hpp>
 #include <collided/voxels.hpp>
 
@@ -25,14 +24,6 @@ constexpr auto fields_of(const ConnectOptions*) {
 constexpr auto fields_of(const WatchOptions*) {
   using T = WatchOptions;
   return fields<&T::only, &T::skip, &T::persisted, &T::capacity, &T::since>();
-}
-
-template <>
-inline constexpr const char* kWordsOf<RunTime::Since>[] = {"1970", "begin", "end"};
-constexpr auto fields_of(const RunTime*) { return fields<&RunTime::since, &RunTime::offset>(); }
-constexpr auto fields_of(const RecordedEventsOptions*) {
-  using T = RecordedEventsOptions;
-  return fields<&T::only, &T::skip, &T::from, &T::to>();
 }
 
 constexpr auto fields_of(const PublishOptions*) { return fields<&PublishOptions::lease, &PublishOptions::gap>(); }

@@ -6,15 +6,18 @@
         print(answers.distance, answers.object)
 
 connect() makes a Client, whose calls are these:
-    questions           rays, spheres, boxes, nearest, inside, ray, sphere, what_if
+    questions           rays, spheres, boxes, nearest, inside, ray, sphere, sweep, what_if
     two objects         pair, clearance
     why                 explain_ray, explain_pair, explain_standing, explain_event
-    events              watch, watch_standing, watch_probes; recorded_standing_events() reads those of a recording
+    events              watch, watch_standing, watch_probes
     standing questions  add_region, add_bands, add_nearest, remove_standing, standing
     the world           add, move, remove, attach, detach, allow, deny, rules, load, clear, list, get, plan
     probes              add_probe, remove_probes, probes
     own objects         publish makes a Publisher; its robot() moves a robot by joints, its voxels() is a grid of cells for scans
     everything else     status, command
+
+Functions without a Client: recorded_events and recorded_standing_events read a recording, fetch_recording and replay make one
+and publish it again, diagnose finds why programs do not hear each other, fleet lists the servers of a namespace.
 
 Units      metres, world coordinates; quaternions (w, x, y, z); poses (x, y, z, w, x, y, z); times in seconds as float, world
            times in nanoseconds since 1970 as int, with _ns at the end of their names
@@ -37,7 +40,7 @@ from ._errors import BadInput, Disconnected, Error, InternalError, NoServer, Ref
 from ._events import Event, StandingEvent
 from ._library import version
 from ._publisher import Publisher, PublisherReport
-from ._recordings import RecordedStandingEvents, recorded_standing_events
+from ._recordings import diagnose, fetch_recording, fleet, recorded_events, recorded_standing_events, replay
 from ._schema import *
 from ._shapes import (
     Box, Capsule, Cloud, Cone, Cylinder, Ellipsoid, HalfSpace, HeightField, Hull, Mesh, Polyline, Shape, Sphere,
@@ -51,7 +54,8 @@ __version__ = version()
 __all__ = [
     "connect", "Client", "version",
     "Answers", "Answer", "Verdict", "Undecided",
-    "Watch", "Event", "StandingWatch", "StandingEvent", "ProbeWatch", "recorded_standing_events", "RecordedStandingEvents",
+    "Watch", "Event", "StandingWatch", "StandingEvent", "ProbeWatch",
+    "recorded_events", "recorded_standing_events", "fetch_recording", "replay", "diagnose", "fleet",
     "Publisher", "PublisherReport", "PublishedRobot", "Voxels",
     "Shape", "Box", "Capsule", "Cloud", "Cone", "Cylinder", "Ellipsoid", "HalfSpace", "HeightField", "Hull", "Mesh",
     "Polyline", "Sphere",

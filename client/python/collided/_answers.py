@@ -51,6 +51,8 @@ _TYPES = {
     "point_error_m": ("f8", "d", 1),
     "normal": ("f8", "d", 3),
     "weights": ("f8", "d", 3),
+    "time_low": ("f8", "d", 1),
+    "time_high": ("f8", "d", 1),
     "inside": ("u1", "B", 1),
     "stale": ("u1", "B", 1),
     "by_winding": ("u1", "B", 1),
@@ -179,6 +181,16 @@ class Answers(Owned):
     def normal(self) -> Any:
         """(n, 3) unit vectors: for rays against the ray, for nearest towards the point."""
         return self._column("normal")
+
+    @property
+    def time_low(self) -> Any:
+        """(n,) for sweeps, 0 to 1: no contact before this time."""
+        return self._column("time_low")
+
+    @property
+    def time_high(self) -> Any:
+        """(n,) for sweeps: contact by this time."""
+        return self._column("time_high")
 
     @property
     def inside(self) -> Any:

@@ -1,4 +1,4 @@
-"""The questions that a Client asks: rays, spheres, boxes, nearest points, points in solids, and what if."""
+"""The questions that a Client asks: rays, spheres, boxes, nearest points, points in solids, sweeps, and what if."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from ._contract import HIT_MODE, IMPORTANCE, INSTANT_KIND
 from ._errors import BadInput
 from ._library import as_json, call, code_of, encoded, library, nanoseconds, number
 from ._numbers import Row, Rows
-from ._structs import ASK_BOXES, ASK_INSIDE, ASK_NEAREST, ASK_RAYS, ASK_SPHERES, CAskOptions
+from ._shapes import Parts, Shape
+from ._structs import ASK_BOXES, ASK_INSIDE, ASK_NEAREST, ASK_RAYS, ASK_SPHERES, ASK_SWEEPS, CAskOptions
 
 
 def _set_instant(options: CAskOptions, as_of: str | int) -> None:
@@ -69,12 +70,16 @@ def _ask_options(
 class Asking(Commanding):
     """The questions of a Client, which says what their keywords mean."""
 
-    def _ask(self, name: str, kind: int, rows: _numbers.Numbers, keywords: dict[str, Any]) -> Answers:
+    def _ask(
+        self, name: str, kind: int, rows: _numbers.Numbers, keywords: dict[str, Any], parts: Parts | None = None
+    ) -> Answers:
         out = keywords.pop("out", None)
         try:
             options = _ask_options(**keywords)
         except TypeError as cause:
             raise BadInput(str(cause).replace("_ask_options()", name), "help(collided.Client) lists the keywords") from None
+        if parts is not None:
+            options.shape, options.shape_parts = parts.array, parts.count
         answers: Answers = Answers() if out is None else out
         kept = answers._empty()
         call("ask", self._handle, kind, rows.pointer, rows.count, ctypes.byref(options), ctypes.byref(kept))
@@ -117,6 +122,13 @@ class Asking(Commanding):
         """Which solids hold points? points (n, 3). Primitives, hulls and declared meshes are solid; the distance of a
         hit is the depth below the surface."""
         return self._ask("inside", ASK_INSIDE, _numbers.rows(points, 3, "points"), options)
+
+    def sweep(self, shape: Shape | Sequence[Shape], starts: Rows, ends: Rows, **options: Any) -> Answers:
+        """What does a shape meet first on each of 1 to 100,000 motions, while everything else stays? starts and ends (n, 7):
+        poses, x y z, then w x y z. It goes straight and turns evenly while time runs from 0 to 1; a hit has the time
+        (time_low, time_high), and a miss means that the motion is free."""
+        rows = _numbers.joined(starts=_numbers.rows(starts, 7, "starts"), ends=_numbers.rows(ends, 7, "ends"))
+        return self._ask("sweep", ASK_SWEEPS, rows, options, Parts(shape))
 
     def ray(self, origin: Row, direction: Row, length: float = math.inf, **options: Any) -> Answer:
         """What does one ray hit?"""

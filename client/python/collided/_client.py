@@ -7,7 +7,7 @@ from typing import Any, Sequence
 
 from ._asking import Asking
 from ._described import read
-from ._library import as_json, call, nanoseconds
+from ._library import as_json, call, connect_options
 from ._managing import Managing
 from ._measuring import Measuring
 from ._numbers import Row
@@ -135,12 +135,7 @@ def connect(
     replicas       questions go to replicas of the server too
     wait_is_limit  no longer than `wait`; without it a server of this machine that is found but busy is given more time
     """
-    given: dict[str, Any] = {}
-    is_chosen = domain is not None or name_space is not None or interface is not None or peers or wait != 2.0 or keys
-    if is_chosen or not replicas or wait_is_limit:
-        given = {"domain": domain or 0, "peers": list(peers), "wait_ns": nanoseconds(wait, "wait"), "keys": keys}
-        given.update(replicas=bool(replicas), wait_is_limit=bool(wait_is_limit))
-        given.update((name, word) for name, word in (("name_space", name_space), ("interface", interface)) if word)
+    given = connect_options(domain, name_space, interface, peers, wait, keys, replicas, wait_is_limit)
     made = ctypes.c_void_p()
     call("connect", as_json(given, "connect") if given else None, ctypes.byref(made))
     return Client(made)

@@ -9,7 +9,7 @@ import os
 import pathlib
 import warnings
 from ctypes import c_void_p
-from typing import Any, TypeVar
+from typing import Any, Sequence, TypeVar
 
 from ._errors import BadInput, Disconnected, Error, InternalError, NoServer, Refused, Timeout
 from ._structs import BAD_INPUT, DISCONNECTED, FUNCTIONS, NO_SERVER, NOTHING, OK, REFUSED, TIMEOUT, CError
@@ -123,6 +123,26 @@ def nanoseconds(seconds: float, what: str) -> int:
     if not seconds >= 0:
         raise BadInput(f"{what} is {seconds} s; allowed from 0 on", "nothing was sent")
     return int(min(seconds * 1e9, 2**63 - 1025))
+
+
+def connect_options(
+    domain: int | None = None,
+    name_space: str | None = None,
+    interface: str | None = None,
+    peers: Sequence[str] = (),
+    wait: float = 2.0,
+    keys: str = "",
+    replicas: bool = True,
+    wait_is_limit: bool = False,
+) -> dict[str, Any]:
+    """The arguments of connect() as C has them; empty: those of the environment."""
+    is_chosen = domain is not None or name_space is not None or interface is not None or peers or wait != 2.0 or keys
+    if not is_chosen and replicas and not wait_is_limit:
+        return {}
+    given = {"domain": domain or 0, "peers": list(peers), "wait_ns": nanoseconds(wait, "wait"), "keys": keys}
+    given.update(replicas=bool(replicas), wait_is_limit=bool(wait_is_limit))
+    given.update((name, word) for name, word in (("name_space", name_space), ("interface", interface)) if word)
+    return given
 
 
 Held = TypeVar("Held", bound="Owned")

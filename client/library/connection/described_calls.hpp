@@ -1,0 +1,39 @@
+#pragma once
+
+#include <collided/fleet.hpp>
+#include <collided/recording.hpp>
+
+#include "idl/described.hpp"
+
+/// Answers of the library's functions that need no client.
+namespace collided {
+
+template <>
+inline constexpr const char* kWordsOf<Health>[] = {"ok", "warn", "fail"};
+constexpr auto fields_of(const Finding*) {
+  using T = Finding;
+  return fields<&T::health, &T::about, &T::text, &T::remedy>();
+}
+constexpr auto fields_of(const FleetMember*) {
+  using T = FleetMember;
+  return fields<&T::server, &T::epoch, &T::role, &T::state, &T::name, &T::host, &T::pid, &T::version_text, &T::started,
+                &T::up, &T::version, &T::lag, &T::scene_fingerprint, &T::world_hash, &T::hash_time, &T::clock_ahead,
+                &T::alarm>();
+}
+constexpr auto fields_of(const Fleet*) { return fields<&Fleet::members, &Fleet::findings>(); }
+
+constexpr auto fields_of(const RecordedEvents*) {
+  using T = RecordedEvents;
+  return fields<&T::events, &T::begin, &T::end, &T::scenes, &T::lost, &T::warnings>();
+}
+constexpr auto fields_of(const RecordedStandingEvents*) {
+  using T = RecordedStandingEvents;
+  return fields<&T::events, &T::begin, &T::end, &T::lost, &T::warnings>();
+}
+constexpr auto fields_of(const ReplayReport*) {
+  using T = ReplayReport;
+  return fields<&T::samples, &T::commands, &T::questions, &T::equal, &T::not_compared, &T::why_not_compared,
+                &T::differences, &T::warnings, &T::stopped, &T::standing>();
+}
+
+}  // namespace collided
