@@ -12,7 +12,7 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, field
 
-LEFT_OUT = re.compile("nightly|peers")
+LEFT_OUT = re.compile("nightly|studies|peers")
 # What checks the text of the sources or builds them again learns nothing from a bug that is switched on at run time.
 NO_BEHAVIOUR = re.compile(r"^(layering|consumer|accuracy/planted_.*|mutants.*)$")
 BYTES_OF_A_PROCESS = 12 << 30

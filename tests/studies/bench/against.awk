@@ -1,21 +1,7 @@
 # Two runs of deploy/bench side by side: how many times as long each row of the later one took, and its distance to the
 # best peer then and now, which does not depend on how busy the machine was.
-# usage: awk -f against.awk BEFORE.csv NOW.csv
+# usage: awk -f fields.awk -f against.awk BEFORE.csv NOW.csv
 # A row is called slower or faster only where the ranges of the two runs do not overlap.
-
-function fields(line, into,    i, count, character, quoted, text) {
-  count = 0
-  text = ""
-  quoted = 0
-  for (i = 1; i <= length(line); ++i) {
-    character = substr(line, i, 1)
-    if (character == "\"") quoted = !quoted
-    else if (character == "," && !quoted) { into[++count] = text; text = "" }
-    else text = text character
-  }
-  into[++count] = text
-  return count
-}
 
 FNR == 1 {
   ++files
