@@ -5,7 +5,7 @@
 
 #include <collided/client.hpp>
 
-/// Why do programs not find or hear each other?
+/// Diagnosis: why do programs not find or reach each other?
 #pragma GCC visibility push(default)
 
 namespace collided {
@@ -20,15 +20,15 @@ struct Finding {
   /// publisher_clocks, round_trip, strangers or losses.
   std::string about;
   std::string text;    // what was found, one sentence for people
-  std::string remedy;  // what to do; empty where nothing is to be done
+  std::string remedy;  // what to do; empty if nothing
 };
 
-/// Checks what usually keeps programs from finding or hearing each other over DDS: reads this machine's settings, joins
-/// the domain, listens for servers, and sends one of them 1,000 empty questions.
+/// Checks the usual causes why programs do not find or reach each other over DDS: reads this machine's settings, joins
+/// the domain, waits for servers' statuses, and sends one server 1,000 empty questions.
 ///
-/// returns  the findings in the order of the checks; checks that cannot be made, such as those of a server where none
-///          answers, are left out. Errors are findings too.
-/// cost     about a second, and up to options.wait more where no server answers
+/// returns  the findings in the order of the checks. Checks that cannot run, such as those of a server if none answers,
+///          are left out. Errors are findings too.
+/// cost     about a second, and up to options.wait more if no server answers
 /// threads  any; it makes a connection of its own
 std::vector<Finding> diagnose(const ConnectOptions& options);
 

@@ -7,8 +7,8 @@
 
 #include <collided/geometry.hpp>
 
-/// What objects are made of. Everything is in metres and in the object's own frame, all numbers finite. A radius or a
-/// half size may be 0 unless said otherwise. The calls that take a shape check it and answer bad_input.
+/// Shapes of objects. Everything is in metres and in the object's own frame; all numbers are finite. A radius or a half
+/// size may be 0 unless stated otherwise. Calls that take a shape check it and return bad_input.
 #pragma GCC visibility push(default)
 
 namespace collided {
@@ -34,7 +34,7 @@ struct CylinderShape {
   Vec3 b = Vec3::UnitZ();
   double radius_m = 0;
 };
-/// The base is a disc of radius_m about `base`, at right angles to the axis from the apex; apex != base.
+/// The base is a disc of radius_m about `base`, perpendicular to the axis from the apex; apex != base.
 struct ConeShape {
   Vec3 apex = Vec3::UnitZ();
   Vec3 base = Vec3::Zero();
@@ -49,10 +49,10 @@ struct EllipsoidShape {
 struct HullShape {
   std::vector<Vec3> points;
 };
-/// A surface of triangles; its inside does not count as solid.
+/// A surface of triangles; its interior is not solid.
 struct MeshShape {
   std::vector<Vec3> vertices;
-  std::vector<std::array<std::uint32_t, 3>> triangles;  // three vertex numbers each; at least one triangle
+  std::vector<std::array<std::uint32_t, 3>> triangles;  // three vertex indices each; at least one triangle
 };
 
 /// All points behind a plane: normal . (x - point) <= 0. It must be the only part of its object, and the object must
@@ -61,14 +61,14 @@ struct HalfSpaceShape {
   Vec3 normal = Vec3::UnitZ();  // any length from 1e-30 to 1e30
   Vec3 point = Vec3::Zero();
 };
-/// A surface over a grid in the x-y plane that begins at the origin, two triangles a cell. It counts as a mesh.
+/// A surface over a grid in the x-y plane that begins at the origin, with two triangles per cell. It counts as a mesh.
 struct HeightFieldShape {
   std::uint32_t columns = 0;      // grid points along x, at least 2
   double spacing_x_m = 1;         // from one column to the next, above 0
   double spacing_y_m = 1;         // from one row to the next, above 0
   std::vector<double> heights_m;  // row by row, each along x; whole rows, at least 2 of them
 };
-/// A ball about each of many points, at least 1. The server builds an index over them.
+/// A ball about each of at least 1 point. The server builds an index over them.
 struct CloudShape {
   std::vector<Vec3> points;
   double radius_m = 0;
@@ -79,9 +79,9 @@ struct PolylineShape {
   double radius_m = 0;
 };
 
-/// Cells of a regular grid that stands along the axes of the object's frame. Cell (i, j, k) reaches from
-/// (low + (i, j, k)) * cell_m to one cell more. Occupied cells that fill a box become one: distances and hits are those of the
-/// cells, depths and where a ray leaves those of such boxes.
+/// Cells of a regular grid aligned with the object's axes. Cell (i, j, k) extends from (low + (i, j, k)) * cell_m by
+/// one cell along each axis. Occupied cells that fill a box are merged: distances and hits are those of the cells,
+/// depths and exit points of rays those of the boxes.
 struct VoxelShape {
   double cell_m = 0;                     // above 0, of at most 24 significant bits: then all corners are exact
   std::array<std::int32_t, 3> low{};     // within 2^26

@@ -6,27 +6,27 @@
 #include <optional>
 #include <utility>
 
-/// How a program takes what a server reports from then on.
+/// Subscriptions: how a program receives a server's reports.
 #pragma GCC visibility push(default)
 
 namespace collided {
 
 struct SubscriptionHealth {
-  std::uint64_t lost = 0;     // dropped since next() was not called in time
-  std::uint64_t resyncs = 0;  // how often something was missed and had to be made up for from the state
-  bool connected = true;      // false while no status of the server has come for 240 ms
-  /// The server has confirmed that what held at the start has been reported, so that what comes from now on is new. False
-  /// again while something missed is being made up for.
+  std::uint64_t lost = 0;     // events dropped since next() was not called in time
+  std::uint64_t resyncs = 0;  // how often missed events were reconstructed from the state
+  bool connected = true;      // false if no status of the server has come for 240 ms
+  /// The server has confirmed that the state at the start has been reported, so that later events are new. False again
+  /// while missed events are being reconstructed.
   bool in_step = true;
 };
 
-/// What a server reports, one after the other.
+/// The reports of a server, one after the other.
 ///
-/// threads  calls from any thread. Destroying it ends the subscription and waits for its thread
+/// threads  calls from any thread. The destructor ends the subscription and waits for its thread
 template <class News>
 class Subscription {
  public:
-  /// Where the news come from.
+  /// The source of the reports.
   struct Source {
     virtual ~Source() = default;
     virtual std::optional<News> next(std::chrono::nanoseconds wait) = 0;
@@ -34,7 +34,7 @@ class Subscription {
   };
   explicit Subscription(std::unique_ptr<Source> source) : source_(std::move(source)) {}
 
-  /// The next one; nothing if none comes within `wait`.
+  /// Returns the next report; nothing if none comes within `wait`.
   std::optional<News> next(std::chrono::nanoseconds wait) { return source_->next(wait); }
   SubscriptionHealth health() const { return source_->health(); }
   std::uint64_t lost() const { return health().lost; }

@@ -11,7 +11,7 @@
 #include <collided/pair.hpp>
 #include <collided/questions.hpp>
 
-/// Explanations of an answer: why a ray, a pair of objects, a standing question or an event has it and not another one.
+/// Explanations: why a ray, a pair of objects, a standing question or an event has its answer and not another one.
 /// Metres, world coordinates; times are world times since 1970. idl/answers/explanation.hpp lists their names in JSON.
 #pragma GCC visibility push(default)
 
@@ -19,14 +19,14 @@ namespace collided {
 
 /// Options of an explanation.
 struct ExplainOptions {
-  std::uint32_t mask = 0xffffffff;  // of rays, as in AskOptions; so are only and skip
+  std::uint32_t mask = 0xffffffff;  // for rays, as in AskOptions; so are only and skip
   std::string only = {};
   std::string skip = {};
-  Instant as_of = {};        // of rays and pairs; latest: each object at its newest pose
-  std::string why_not = {};  // of rays and standing questions: an object that is reported in any case
-  std::uint32_t most = 3;    // of rays and standing questions: misses, or objects outside or farther away, to report
-  std::chrono::nanoseconds last{0};      // of pairs: how far back their paths are searched; 0: all of memory
-  std::chrono::nanoseconds deadline{0};  // on the server, which then returns what it has; 0: none but the timeout
+  Instant as_of = {};        // for rays and pairs; latest: each object at its newest pose
+  std::string why_not = {};  // for rays and standing questions: an object that is reported in any case
+  std::uint32_t most = 3;    // for rays and standing questions: number of misses, or of other objects, to report
+  std::chrono::nanoseconds last{0};      // for pairs: how far back to search; 0: all that the server remembers
+  std::chrono::nanoseconds deadline{0};  // on the server, which then returns a partial result; 0: only the timeout
   std::chrono::nanoseconds timeout{10'000'000'000};  // for the answer
 };
 
@@ -35,7 +35,7 @@ struct ExplainOptions {
 /// The arithmetic that a decision needed.
 enum class Rung { filter, expansion, rational };
 
-/// An object that the ray meets.
+/// An object that the ray hits.
 struct ExplainedMeeting {
   std::string object = {};
   std::string kind = {};  // box, sphere, ..., mesh, compound
@@ -48,51 +48,52 @@ struct ExplainedMeeting {
   Rung rung = Rung::filter;
   bool inside = false;                               // the ray begins in it
   bool stale = false;                                // its publisher is lost, and it may be elsewhere
-  std::optional<std::chrono::nanoseconds> age = {};  // of its pose; none: it has stood since it was added
+  std::optional<std::chrono::nanoseconds> age = {};  // of its pose; none: it has not moved since it was added
   std::string why_left_out = {};                     // empty: the filter lets it answer
 };
 
-/// miss: the ray passes it. beside: along the ray; start: nearest to its origin, beside it or behind; end: its length ends there
+/// Where a ray is nearest to an object that it misses. beside: along the ray; start: at its origin, or behind it; end:
+/// at its end
 enum class WhereMissed { beside, start, end };
 
-/// An object that the ray misses, or for which that is undecided.
+/// An object that the ray misses, or for which the answer is undecided.
 struct ExplainedMiss {
   std::string object = {};
   Verdict verdict = Verdict::miss;  // miss or undecided
   double distance_m = 0;            // between ray and object; |truth - distance_m| <= error_m
   double error_m = 0;
-  double along_m = 0;  // about how far along the ray the nearest point is
+  double along_m = 0;  // approximate distance along the ray to the nearest point
   Vec3 on_ray = Vec3::Zero();
   Vec3 on_object = Vec3::Zero();
   double point_error_m = 0;  // of both points
   std::uint32_t triangle = kNoTriangle;
   WhereMissed where = WhereMissed::beside;
-  bool box_met = false;           // the ray meets its bounding box, so its parts were candidates
+  bool box_met = false;           // the ray hits its bounding box, so its parts were candidates
   std::string why_left_out = {};  // empty: the filter lets it answer
 };
 
-/// An object whose publisher is lost, and that may be in the ray's way by now.
+/// An object of a lost publisher that may now be in the ray's way.
 struct ExplainedStale {
   std::string object = {};
   std::chrono::nanoseconds age{0};  // of its last pose
   double from_m = 0;                // the first place along the ray where it may be
 };
 
-/// Why a ray meets what it meets.
+/// Explanation of a ray's answer.
 struct ExplainedRay {
   Verdict verdict = Verdict::miss;
   UndecidedReason reason = UndecidedReason::none;
   Rung rung = Rung::filter;                     // the highest that the whole answer needed
-  std::uint64_t nodes = 0;                      // boxes of the indexes that were opened
+  std::uint64_t nodes = 0;                      // index nodes opened
   std::uint64_t exact_tests = 0;                // of parts
   std::uint64_t objects = 0;                    // in the world
-  std::uint64_t boxes_met = 0;                  // candidates: objects that may answer and whose boxes the ray meets
+  std::uint64_t boxes_met = 0;                  // candidates: objects whose boxes the ray hits and that pass the filter
   std::uint64_t left_out_count = 0;             // objects that the filter leaves out
   std::vector<ExplainedMeeting> met = {};       // each object once, in order along the ray; the first is the answer
-  std::vector<ExplainedMeeting> left_out = {};  // filtered objects that the ray meets before the answer
+  std::vector<ExplainedMeeting> left_out = {};  // filtered objects that the ray hits before the answer
   std::vector<ExplainedMiss> misses = {};       // nearest first, then the one asked for
   std::vector<ExplainedStale> stale = {};
-  std::vector<std::string> unknown = {};    // unknown space whose box the ray meets
+  std::vector<std::string> unknown = {};    // unknown space whose box the ray hits
   std::optional<Uncovered> uncovered = {};  // where the ray leaves the space in which the geometry is complete
   bool cut = false;                         // there are more hits than the limit: `met` lacks some
   bool late = false;                        // the deadline passed: misses may lack nearer ones
@@ -104,7 +105,7 @@ struct ExplainedRay {
 
 using codes::ApproachEnd;
 
-/// How near two objects came, between the poses that were sent as well.
+/// How near two objects came, also between published poses.
 struct ExplainedApproach {
   ApproachEnd end = ApproachEnd::found;
   std::chrono::nanoseconds from{0};  // begin of the interval that was searched
@@ -116,19 +117,18 @@ struct ExplainedApproach {
   std::uint64_t looks = 0;  // distances that were evaluated
 };
 
-/// How two objects stand to each other, and why contacts of them are not reported.
+/// Explanation of a pair: its answer, and why its contacts are not reported.
 struct ExplainedPair {
-  PairAnswer answer = {};  // as Client::pair gives it, without triangles and certificate
-  std::vector<std::string> why_not =
-      {};                     // what keeps contacts of the two from being reported, a sentence each; empty: they are
-  std::string attached = {};  // the one that moves along with the other; empty: neither
+  PairAnswer answer = {};                 // as from Client::pair, without triangles and certificate
+  std::vector<std::string> why_not = {};  // why contacts of the two are not reported, a sentence each; empty: they are
+  std::string attached = {};              // the one that moves along with the other; empty: neither
   std::optional<ExplainedApproach> nearest = {};
   std::string no_nearest = {};  // why there is none
 };
 
 // ---- a standing question ------------------------------------------------------------------------------------------
 
-/// How an object stands to a region, or to what a question for the nearest is about.
+/// The relation of an object to a region, or to the object or point of a question for the nearest.
 struct ExplainedObject {
   std::string object = {};
   /// At the current poses. hit: it is in, or touches; miss: they are apart. It may differ from `reported`, which waits for
@@ -158,7 +158,8 @@ struct ExplainedNews {
   std::chrono::nanoseconds high{0};
 };
 
-/// A region or a question for the nearest. Of the nearest, clearances are distances to what the question is about.
+/// Explanation of a region or of a question for the nearest. For the nearest, clearances are distances to the
+/// question's object or point.
 struct ExplainedStanding : DefinedStanding {
   bool placed = true;                          // false: the object `to` is missing, so the question monitors nothing
   std::uint64_t looked_at = 0;                 // objects that it monitors
@@ -175,10 +176,10 @@ struct ExplainedStanding : DefinedStanding {
 
 // ---- an event ------------------------------------------------------------------------------------------------------
 
-/// contacts: of Client::watch. standing: of standing questions
+/// Kinds of events. contacts: of Client::watch. standing: of standing questions
 enum class EventsOf { contacts, standing };
 
-/// One of the two of an event, at the time by which it had happened.
+/// One of the two objects of an event, at the time by which it had happened.
 struct ExplainedBody {
   std::string object = {};
   bool remembered = false;  // false: its place at that time is forgotten, and the members below are not set
@@ -190,11 +191,11 @@ struct ExplainedBody {
   std::optional<std::chrono::nanoseconds> motion_to = {};
 };
 
-/// How the two stood to each other at an end of the bracket.
+/// The clearance of the two at an end of the bracket.
 struct ExplainedGap {
   std::chrono::nanoseconds time{0};
   Verdict verdict = Verdict::miss;  // hit: they touched
-  double clearance_m = 0;           // apart: the distance, else minus the depth; |truth - clearance_m| <= error_m
+  double clearance_m = 0;           // apart: the distance; else minus the depth; |truth - clearance_m| <= error_m
   double error_m = 0;
 };
 
@@ -202,13 +203,13 @@ struct ExplainedGap {
 struct ExplainedEvent {
   std::uint64_t sequence = 0;
   EventsOf of = EventsOf::contacts;
-  std::string what = {};   // began, ended, ...; of standing questions enter, exit, nearest, no longer nearest
+  std::string what = {};   // began, ended, ...; for standing questions enter, exit, nearest, no longer nearest
   std::string why = {};    // of an end: separated, removed, ...
   std::string doubt = {};  // empty: none
   std::string a = {};
   std::string b = {};
-  std::string margin = {};                 // of bands: the question's name, and `b` is the object that has the band
-  std::string within = {};                 // and the band, in metres
+  std::string margin = {};                 // for bands: the question's name; `b` is the object that has the band
+  std::string within = {};                 // for bands: the band, in metres
   std::uint32_t a_triangle = kNoTriangle;  // as in Event, and so are the members up to `began`
   std::uint32_t b_triangle = kNoTriangle;
   double depth_m = 0;
@@ -223,7 +224,7 @@ struct ExplainedEvent {
   std::vector<ExplainedBody> bodies = {};   // a and b
   std::optional<ExplainedGap> before = {};  // at `low`, for contacts whose poses are remembered
   std::optional<ExplainedGap> after = {};   // at `high`
-  std::chrono::nanoseconds world_time{0};   // of the step that found it
+  std::chrono::nanoseconds world_time{0};   // of the step that detected it
   std::uint64_t version = 0;
 };
 

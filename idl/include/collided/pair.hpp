@@ -16,14 +16,14 @@
 
 namespace collided {
 
-/// What Client::pair reports besides the answer.
+/// What Client::pair reports in addition to the answer.
 struct PairOptions {
   bool certificate = false;                    // a proof of the answer
   bool triangles = false;                      // every pair of triangles that touch, for two meshes
   std::uint32_t most_triangle_pairs = 10'000;  // reported; at most 100,000
   Instant as_of = {};                          // of both objects; latest: each at its newest pose
-  std::string opinion = {};                    // "fcl": what the library FCL says about the pair too; empty: nothing
-  std::chrono::nanoseconds deadline{0};        // on the server; undecided where more is needed; 0: none but the timeout
+  std::string opinion = {};                    // "fcl": also the answer of the library FCL; empty: none
+  std::chrono::nanoseconds deadline{0};        // on the server; undecided if more time is needed; 0: only the timeout
   std::chrono::nanoseconds timeout{10'000'000'000};  // for the answer
 };
 
@@ -36,8 +36,8 @@ struct ManifoldPoint {
   std::uint32_t b_triangle = kNoTriangle;  // of b's mesh
 };
 
-/// Two triangles that share a point, and the segment that they share. Of triangles in one plane, which share an area,
-/// it is the longest segment in that area.
+/// Two triangles that share a point, and the segment that they share. Coplanar triangles share an area; then it is the
+/// longest segment in that area.
 struct TrianglePair {
   std::uint32_t a_triangle = kNoTriangle;  // of a's mesh
   std::uint32_t b_triangle = kNoTriangle;  // of b's mesh
@@ -49,50 +49,50 @@ struct TrianglePair {
 using codes::Containment;
 using codes::OpinionVerdict;
 
-/// What another library answers about the same pair. The server asks it in a separate process.
+/// The answer of another library about the same pair. The server runs it in a separate process.
 struct SecondOpinion {
   OpinionVerdict verdict = OpinionVerdict::unsupported;
-  std::optional<bool> touches = {};       // its answer, where it has one
-  std::optional<double> distance_m = {};  // where it says that the two are apart and gives a distance
-  std::string why = {};                   // it failed, does not support the shapes, or gives no distance
+  std::optional<bool> touches = {};       // its answer, if it has one
+  std::optional<double> distance_m = {};  // if it answers that the two are apart and gives a distance
+  std::string why = {};                   // why it failed, does not support the shapes, or gives no distance
 };
 
-/// How two objects stand to each other in one state of the world. Swapping the names turns the normal round and changes
-/// no number.
-/// hit   they share a point. A part is a triangle or a primitive; the depth is that of the two parts that overlap
-///       deepest: moving the one of b by depth_m along the normal separates these two, and no shorter motion does
-/// miss  they are distance_m apart, and on_a and on_b are points of theirs at about that distance from each other
+/// The answer about two objects in one state of the world. Swapping the names reverses the normal and changes no
+/// number.
+/// hit   they share a point. A part is a triangle or a primitive. The depth is that of the two parts that overlap
+///       deepest: moving b's part by depth_m along the normal separates these two, and no shorter motion does
+/// miss  they are distance_m apart; on_a and on_b are points of theirs at about that distance from each other
 struct PairAnswer {
   Verdict verdict = Verdict::miss;
   /// numeric: hit and miss are both consistent with the input. stale_object: see `stale`.
   UndecidedReason reason = UndecidedReason::none;
-  /// Where one of the two is now is not known: its publisher is lost, or has no pose for the instant asked for yet. The
-  /// numbers are for where it was last. The verdict is a miss only where the two cannot have met since.
+  /// The current pose of one of the two is unknown: its publisher is lost, or has not sent a pose for the requested
+  /// instant yet. The numbers are for its last pose. The verdict is a miss only if the two cannot have met since.
   bool stale = false;
   std::uint64_t version = 0;   // of the state
   Vec3 normal = Vec3::Zero();  // unit, from a to b
   double distance_m = 0;       // for a miss; |truth - distance_m| <= error_m
-  double depth_m = 0;          // for a hit; |truth - depth_m| <= error_m. And for a miss where is_in_solid
+  double depth_m = 0;          // for a hit, and a miss with is_in_solid; |truth - depth_m| <= error_m
   double error_m = 0;
   Vec3 on_a = Vec3::Zero();  // for a miss; within point_error_m of a
   Vec3 on_b = Vec3::Zero();  // for a miss; within point_error_m of b
   double point_error_m = 0;
   Vec3 point = Vec3::Zero();               // for a hit: in the middle of the deepest overlap
-  std::uint32_t a_triangle = kNoTriangle;  // for a hit: the deepest parts, where they are triangles
+  std::uint32_t a_triangle = kNoTriangle;  // for a hit: the deepest parts, if they are triangles
   std::uint32_t b_triangle = kNoTriangle;
   std::vector<ManifoldPoint> manifold = {};  // for a hit
   /// For a miss: the surfaces share no point, but one object lies within the other.
   Containment contained = Containment::none;
-  /// The other one was declared solid: no motion shorter than depth_m takes the inner one out of it, and one of depth_m +
-  /// depth_error_m does. The signed distance of the two is minus that.
+  /// The outer one was declared solid: no motion shorter than depth_m takes the inner one out of it, and one of depth_m
+  /// + depth_error_m does. The signed distance of the two is -depth_m.
   bool is_in_solid = false;
   double depth_error_m = 0;
   std::vector<TrianglePair> triangle_pairs = {};  // ordered by a_triangle, then b_triangle
-  std::uint64_t triangle_pair_count = 0;          // of all there are, which is more than reported where `cut`
+  std::uint64_t triangle_pair_count = 0;          // number of all such pairs, more than reported if `cut`
   bool cut = false;                               // there are more than PairOptions::most_triangle_pairs
   std::optional<Certificate> certificate = {};    // see proves()
   std::string no_certificate = {};                // why there is none although it was requested
-  std::optional<SecondOpinion> opinion = {};      // where it was requested
+  std::optional<SecondOpinion> opinion = {};      // if requested
 };
 
 }  // namespace collided
