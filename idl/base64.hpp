@@ -25,7 +25,7 @@ inline std::string encode_base64(std::string_view bytes) {
   return text;
 }
 
-/// The bytes of a text, whose padding may be missing. Nothing where it has another character.
+/// Decodes a text; its padding may be missing. Nothing if it has an invalid character.
 inline std::optional<std::string> decode_base64(std::string_view text) {
   while (text.ends_with('=')) text.remove_suffix(1);
   std::string bytes;

@@ -20,7 +20,7 @@ concept Sequence = requires(Field& field) {
 template <class Field>
 concept Number = std::is_arithmetic_v<Field>;
 
-/// A position among the bytes. Numbers stand at multiples of their size, counted from the end of the header.
+/// A position in the bytes. Numbers are aligned to multiples of their size, counted from the end of the header.
 class Position {
  public:
   std::size_t at() const { return at_; }
@@ -92,7 +92,7 @@ class Write : public Position {
   std::byte* out_;
 };
 
-/// Reads fields and checks every length against the bytes that are left.
+/// Reads fields and checks every length against the remaining bytes.
 class Read : public Position {
  public:
   explicit Read(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -140,7 +140,7 @@ class Read : public Position {
   }
 
  private:
-  /// The next `count` elements; null, and no longer good, where the bytes end before them.
+  /// The next `count` elements. If the bytes end before them: null, and good() is false from then on.
   const std::byte* take(std::size_t size, std::size_t count) {
     const std::size_t gap = padding(size);
     if (!good_ || gap > bytes_.size() - at_ || count > (bytes_.size() - at_ - gap) / size) {
@@ -172,7 +172,7 @@ void write_cdr(const T& sample, std::span<std::byte> out) {
   for_each_field(sample, write);
   const std::size_t tail = padded(write.at()) - write.at();
   std::memset(out.data() + kHeaderBytes + write.at(), 0, tail);
-  // The last byte of the header says how many bytes at the end are padding.
+  // The last byte of the header is the number of padding bytes at the end.
   const std::byte header[kHeaderBytes] = {std::byte{0}, kPlainLittleEndian, std::byte{0}, static_cast<std::byte>(tail)};
   std::memcpy(out.data(), header, kHeaderBytes);
 }

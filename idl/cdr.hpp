@@ -7,11 +7,11 @@
 #include "idl/dds.hpp"
 
 /// Wire samples as bytes: a header of four bytes, then plain CDR, little-endian (OMG, "DDS for Extensible and Dynamic
-/// Topic Types" 1.3, 7.4: XCDR version 1, final types). For files and memory; DDS has its own. For every wire type of
-/// dds.hpp; only read_cdr() allocates.
+/// Topic Types" 1.3, 7.4: XCDR version 1, final types). It serves files and memory; DDS has its own serialization. It
+/// handles every wire type of dds.hpp; only read_cdr() allocates.
 namespace collided::wire {
 
-/// How many bytes write_cdr() fills.
+/// Number of bytes that write_cdr() fills.
 template <class T>
 std::size_t cdr_size(const T& sample);
 
@@ -21,7 +21,7 @@ std::size_t cdr_size(const T& sample);
 template <class T>
 void write_cdr(const T& sample, std::span<std::byte> out);
 
-/// A sample as bytes of its own.
+/// Returns a sample as a vector of bytes.
 template <class T>
 std::vector<std::byte> cdr_bytes(const T& sample) {
   std::vector<std::byte> bytes(cdr_size(sample));
@@ -29,9 +29,9 @@ std::vector<std::byte> cdr_bytes(const T& sample) {
   return bytes;
 }
 
-/// Reads a sample from bytes of unknown origin. False where they are no such sample (a length beyond the end, a text
-/// without its zero or longer than its field, a bool that is neither 0 nor 1, big-endian, or bytes left over): the
-/// sample then holds parts of it. Takes no more memory than the bytes have.
+/// Reads a sample from bytes of unknown origin. Returns false if they are not such a sample: a length beyond the end, a
+/// text without its zero or longer than its field, a bool that is neither 0 nor 1, big-endian, or excess bytes. The
+/// sample then holds parts of it. Allocates no more memory than the bytes have.
 template <class T>
 [[nodiscard]] bool read_cdr(std::span<const std::byte> bytes, dds::Sample<T>& sample);
 

@@ -7,13 +7,13 @@ namespace collided::wire_contract {
 
 inline constexpr double kNanosecond_s = 1e-9;
 
-/// Nanoseconds of a clock that never goes back; deadlines and periods are measured with it.
+/// Nanoseconds of a monotonic clock, for deadlines and periods.
 inline std::int64_t steady_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
 
-/// Time since 1970 by the machine's clock, which may be set.
+/// Time since 1970 by the machine's clock, which may be adjusted.
 inline std::chrono::nanoseconds since_1970() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(std::chrono::system_clock::now().time_since_epoch());
 }

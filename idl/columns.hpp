@@ -13,18 +13,17 @@
 #include "idl/dds.hpp"
 #include "idl/messages.hpp"
 
-/// Converts between rows of numbers, as programs keep them, and the named columns of collided.idl in which they travel.
-/// A ray is a row of seven numbers: its origin goes to `points`, its direction to `directions`, its length to
-/// `lengths`.
+/// Converts between rows of numbers, as programs keep them, and the named columns of collided.idl, as they travel. A
+/// ray is a row of seven numbers: its origin goes to `points`, its direction to `directions`, its length to `lengths`.
 namespace collided::wire {
 
 template <class Message>
 struct Column {
   dds_sequence_double Message::*sequence;
-  std::uint32_t width;  // numbers of a row: 1, 3 or 4
+  std::uint32_t width;  // numbers per row: 1, 3 or 4
 };
 
-/// The columns of numbers in a message whose columns have an entry for each row.
+/// The number columns of a message that have an entry for each row.
 template <class Columns>
 constexpr auto number_columns() {
   using Numbers = dds_sequence_double Columns::Message::*;
@@ -41,7 +40,7 @@ constexpr auto number_columns() {
   });
   return columns;
 }
-/// Those of these sequences, as wide as the contract has them.
+/// The columns of these sequences, with the widths of the contract.
 template <class Columns, auto... kSequences>
 constexpr auto columns_of() {
   constexpr auto kAll = number_columns<Columns>();
@@ -54,7 +53,7 @@ inline constexpr auto kBoxColumns =
     columns_of<QueryColumns, &Query::points, &Query::half_sizes, &Query::orientations>();
 inline constexpr auto kNearColumns = columns_of<QueryColumns, &Query::points, &Query::lengths>();
 inline constexpr auto kInsideColumns = columns_of<QueryColumns, &Query::points>();
-/// A row for each pose: a configuration is as many as the question names objects.
+/// One row for each pose. A configuration has as many rows as the question names objects.
 inline constexpr auto kWhatIfColumns = columns_of<QueryColumns, &Query::points, &Query::orientations>();
 inline constexpr auto kSweepColumns =
     columns_of<QueryColumns, &Query::points, &Query::orientations, &Query::end_points, &Query::end_orientations>();
@@ -76,7 +75,7 @@ inline constexpr auto kProbeColumns = number_columns<ProbeFrameColumns>();
 template <class Message>
 using Columns = std::span<const Column<Message>>;
 
-/// Empties all columns; they keep their memory.
+/// Clears all columns; they keep their memory.
 template <class Columns>
 void clear(Columns& columns) {
   Columns::for_each([&](auto, auto column, std::uint32_t) { (columns.*column).clear(); });
@@ -87,7 +86,7 @@ void lend(const Columns& columns, typename Columns::Message& message) {
   Columns::for_each(
       [&](auto sequence, auto column, std::uint32_t) { dds::borrow(message.*sequence, columns.*column); });
 }
-/// Whether each column has so many rows, but for those that have entries of their own.
+/// True if each column with one entry per row has this many rows.
 template <class Columns>
 bool has_rows(const typename Columns::Message& message, std::size_t rows) {
   bool fits = true;
@@ -96,7 +95,7 @@ bool has_rows(const typename Columns::Message& message, std::size_t rows) {
   });
   return fits;
 }
-/// What a row takes in a message, in bytes.
+/// Size of a row in a message, in bytes.
 template <class Columns>
 constexpr std::size_t bytes_of_row() {
   std::size_t bytes = 0;
@@ -105,9 +104,9 @@ constexpr std::size_t bytes_of_row() {
   return bytes;
 }
 
-/// The columns of a question of this kind; empty for a command and other kinds that ask nothing about the world.
+/// The columns of questions of this kind; empty for commands and other kinds without questions about the world.
 Columns<Query> question_columns(wire_contract::QuestionKind kind);
-/// The columns of a reply's hits: those of sweeps where the reply has any of them filled.
+/// The columns of a reply's hits: those of sweeps if any of these is filled.
 Columns<Reply> hit_columns(const Reply& reply);
 
 template <class Message>
@@ -119,7 +118,7 @@ constexpr std::uint32_t width_of(Columns<Message> columns) {
 static_assert(width_of<PoseBatch>(kVelocityColumns) == wire_contract::kVelocityNumbers);
 static_assert(width_of<Reply>(kHitColumns) == wire_contract::kHitNumbers);
 
-/// Number of rows; nothing where the columns differ in length.
+/// Number of rows; nothing if the columns differ in length.
 template <class Message>
 std::optional<std::uint32_t> row_count(const Message& message, Columns<Message> columns) {
   std::uint32_t count = 0;
@@ -132,16 +131,16 @@ std::optional<std::uint32_t> row_count(const Message& message, Columns<Message> 
   return count;
 }
 
-/// How many questions of its kind a message has; nothing where its columns differ in length, columns of another kind are
-/// filled, or the poses of a what-if are no whole number of configurations.
+/// Number of questions in a message. Nothing if its columns differ in length, if columns of another kind are filled, or
+/// if the poses of a what-if are not a whole number of configurations.
 std::optional<std::uint32_t> question_count(const Query& query);
 
-/// Of a what-if, how many objects its blob names: zero-terminated names, one after the other.
+/// Number of objects that the blob of a what-if names: zero-terminated names, one after the other.
 std::uint32_t moved_count(const Query& query);
 
-/// Memory that a message and its columns take, in bytes.
+/// Size of a message and its columns, in bytes.
 std::size_t bytes_of(const Query& query);
-/// Memory that it holds, in bytes: what it has had in its columns before too.
+/// Memory allocated by a message, in bytes, including unused capacity of its columns.
 std::size_t room_of(const Query& query);
 
 /// Copies kWidth numbers `count` times, from every from_stride-th number to every to_stride-th.
@@ -149,7 +148,7 @@ template <std::size_t kWidth>
 void copy_strided(const double* from, std::size_t from_stride, double* to, std::size_t to_stride, std::size_t count) {
   for (; count > 0; --count, from += from_stride, to += to_stride) std::memcpy(to, from, kWidth * sizeof(double));
 }
-/// The same for a width of 1, 3 or 4. With a width that the compiler knows, a row's numbers move at once.
+/// Copies rows of width 1, 3 or 4. With a constant width the compiler moves a row's numbers at once.
 inline void copy_rows(std::uint32_t width, const double* from, std::size_t from_stride, double* to,
                       std::size_t to_stride, std::size_t count) {
   switch (width) {
@@ -159,10 +158,10 @@ inline void copy_rows(std::uint32_t width, const double* from, std::size_t from_
   }
 }
 
-/// How long the server's world has been busy with one step, by this status; 0: it is not (kPublisherBusyWorld).
+/// How long the server's world has been busy with one step, by this status; 0: it is not busy (kPublisherBusyWorld).
 std::int64_t busy_ns(const Status& status);
 
-/// Puts rows into `memory` column by column and points the message there: `memory` must outlive the write.
+/// Puts rows into `memory` by columns and points the message there; `memory` must outlive the write.
 template <class Message>
 void lend_columns(std::span<const double> rows, Columns<Message> columns, std::vector<double>& memory,
                   Message& message) {
@@ -179,16 +178,16 @@ void lend_columns(std::span<const double> rows, Columns<Message> columns, std::v
   }
 }
 
-/// Makes of `to` a message with the questions of `from` from number `first` on, and leaves `from` those before. `to` must not
-/// borrow its sequences; their memory is used again.
+/// Moves the questions from number `first` on from `from` to `to`. `to` must not borrow its sequences; their memory is
+/// reused.
 ///
-/// first  below question_count(from); not of a what-if
+/// first  below question_count(from); not for a what-if
 void split_questions(Query& from, std::uint32_t first, Query& to);
 
-/// Empties the columns of every kind of question.
+/// Clears the columns of every kind of question.
 void clear_questions(Query& query);
 
-/// The rows of a message whose columns are of one length, as row_count() says.
+/// Reads the rows of a message whose columns have equal length (row_count()).
 template <class Message>
 void gather_rows(const Message& message, Columns<Message> columns, std::vector<double>& rows) {
   rows.clear();

@@ -8,8 +8,8 @@
 #include "idl/commands.hpp"
 #include "idl/topics.hpp"
 
-/// Every command with its right, what it changes, and its arguments. Whatever depends on a command's name derives from this
-/// table. The families in server/service/commands bind the handlers, and with them the threads.
+/// Every command with its right, the state it changes, and its arguments. All code that depends on a command's name
+/// uses this table. The families in server/service/commands bind the handlers and thereby the threads.
 namespace collided::wire_contract::command {
 
 enum class ArgumentType : std::uint8_t {
@@ -28,8 +28,9 @@ enum class ArgumentType : std::uint8_t {
 struct ArgumentSpec {
   const char* name;
   ArgumentType type;
-  const char* meaning = "";                                        // unit, range, and what name and type leave open
-  double otherwise = 0;                                            // default of a number, whole number or truth
+  const char* meaning = "";                                        // unit, range, and anything that name and type leave
+                                                                   // open
+  double otherwise = 0;                                            // default of a number, a whole number or a truth
   std::uint64_t most = std::numeric_limits<std::uint64_t>::max();  // of a whole number
 };
 
@@ -111,7 +112,7 @@ inline constexpr ArgumentSpec kAttach[]{
     {"child", text}, {"parent", text}, {"pose", pose, "of the child in the parent's frame; absent: as they are"}};
 inline constexpr ArgumentSpec kDetach[]{{"child", text}};
 
-// ---- what stands in the world
+// ---- probes, standing questions and rules
 
 inline constexpr ArgumentSpec kProbe[]{{"name", text, "with remove a glob"},
                                        {"object", text, "that carries it"},
@@ -235,8 +236,8 @@ inline constexpr ArgumentSpec kMore[]{{"transfer", whole, "its number"},
 
 }  // namespace arguments
 
-/// The kind of state that a command changes, and under which it is kept for the next server. A command that changes
-/// something takes `durable` as well (true: it is refused if it would not outlive the server).
+/// The kind of state that a command changes, under which the inventory keeps it over a restart. A command that changes
+/// something also takes `durable` (true: it is refused if it would not outlive the server).
 enum class Changes : std::uint8_t {
   nothing,
   scenes,
@@ -246,17 +247,18 @@ enum class Changes : std::uint8_t {
   fences,
   rules,
   shard_map,
-  losses  // accepts what a crash has lost
+  losses  // accepts the losses of a crash
 };
 
-/// The objects that a client's keys must be for, if the command does more than look.
+/// The objects that a client's keys must permit, if the command does more than read.
 enum class KeyedObjects : std::uint8_t {
   all,
   named,  // the object in the argument `name`
-  each  // each object that the command touches, as its handler checks; an uploaded file does nothing until it is loaded
+  each    // each object that the command affects, checked by its handler; an uploaded file has no effect until it is
+          // loaded
 };
 
-/// Arguments that replace a command's usual ones if one of them, `given`, is there and not false.
+/// Arguments that replace a command's usual ones if the argument `given` is present and not false.
 struct CommandForm {
   const char* given;
   std::span<const ArgumentSpec> arguments;
@@ -269,11 +271,11 @@ struct CommandSpec {
   KeyedObjects objects = KeyedObjects::all;
   std::span<const ArgumentSpec> arguments = {};
   std::span<const CommandForm> forms = {};
-  bool answers_bytes = false;  // the answer may be FlatBuffers or a piece of a file, where brackets mean nothing
-  bool is_of_fleet = false;    // a server that is built without the fleet does not have it
+  bool answers_bytes = false;  // the answer may be FlatBuffers or a piece of a file, not JSON
+  bool is_of_fleet = false;    // missing in a server built without the fleet
 
   constexpr bool changes_world() const { return changes != Changes::nothing; }
-  /// Whether a recording needs it to make the same world again.
+  /// True if a replay needs the command to reproduce the world.
   constexpr bool is_recorded_change() const {
     return changes_world() && changes != Changes::shard_map && changes != Changes::losses;
   }
@@ -334,7 +336,7 @@ inline constexpr CommandSpec kCommands[]{
     {kSuccession, change, shard_map, all, arguments::kSuccession, {}, false, true},
 };
 
-/// A standing question within the bytes of `many`.
+/// The specification of a standing question within the bytes of `many`.
 inline constexpr CommandSpec kPackedFence{
     kFence, change, fences, each, arguments::kFence, std::span(kFenceForms).last<2>()};
 
@@ -343,14 +345,15 @@ inline constexpr CommandSpec kPackedFence{
 using table::kCommands;
 using table::kPackedFence;
 
-/// The specification of a command; null: there is none of that name.
+/// The specification of a command; null: unknown name.
 constexpr const CommandSpec* find_command(std::string_view name) {
   for (const CommandSpec& spec : kCommands)
     if (name == spec.name) return &spec;
   return nullptr;
 }
 
-/// The right that a command needs. A publisher asks left_out about its own objects, so greeting is enough for that.
+/// The right that a command needs. A publisher asks left_out about its own objects only, so the right to greet suffices
+/// for it.
 ///
 /// has_upload  its arguments name an upload
 constexpr QueryRight right_for(std::string_view name, bool has_upload) {

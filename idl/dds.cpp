@@ -34,7 +34,7 @@ Qos row_qos(const TopicQos& row, std::int64_t max_blocking_ns) {
   dds_qset_history(qos.get(), row.keep_last > 0 ? DDS_HISTORY_KEEP_LAST : DDS_HISTORY_KEEP_ALL, row.keep_last);
   if (row.durability == Durability::transient_local) {
     dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-    // This, not the history, decides what a reader that joins late receives.
+    // This, not the history, determines what a late joiner receives.
     dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, std::max(row.keep_last, 1), DDS_LENGTH_UNLIMITED,
                                 DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
   }
@@ -49,7 +49,7 @@ Entity make_group(dds_entity_t participant, const std::string& partition, const 
                       topic + (publisher ? ": create publisher" : ": create subscriber")));
 }
 
-// C calls these. An exception could not unwind through C's frames, so they are noexcept: it ends the process instead.
+// C calls these. An exception cannot unwind through C frames; noexcept ends the process instead.
 void call_data(dds_entity_t reader, void* callbacks) noexcept {
   static_cast<EntityCallbacks*>(callbacks)->data(reader);
 }
@@ -75,7 +75,7 @@ Listener make_listener(EntityCallbacks& callbacks) {
   return listener;
 }
 
-// The configuration is XML put together from the user's words: a word must not be able to add an element.
+// The configuration is XML built from user input, which must not be able to add an element.
 const std::string& checked_word(const std::string& word, const char* what) {
   const auto allowed = [](char c) {
     return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || (c >= '0' && c <= '9') ||
@@ -88,7 +88,7 @@ const std::string& checked_word(const std::string& word, const char* what) {
 }
 
 std::string network_config(const ParticipantOptions& options) {
-  // Large datagrams only on the loopback, where no fragment of one can be lost.
+  // Large datagrams only on loopback, where no fragment can be lost.
   if (options.interface == "lo") {
     return R"(<Interfaces><NetworkInterface name="lo" multicast="false"/></Interfaces>)"
            "<AllowMulticast>false</AllowMulticast><MaxMessageSize>65500B</MaxMessageSize>"
@@ -127,15 +127,15 @@ void Entity::reset() {
 
 std::string domain_config(const ParticipantOptions& options) {
   const std::string index = options.role == Role::server ? "auto" : "none";
-  // A client waits by itself for what must be delivered. DDS would wait for the reader of a dead server too.
+  // A client itself waits for required deliveries. DDS would also wait for the reader of a dead server.
   const std::string linger = options.role == Role::server ? "1s" : "0s";
-  // A writer waits for acknowledgements when its history is full, and they come only after a heartbeat. A client has one
-  // reader to ask; the server's writers have many.
+  // A writer with a full history waits for acknowledgements, which come only after a heartbeat. A client's writer has
+  // one reader, the server's writers have many.
   const std::string heartbeat =
       options.role == Role::server
           ? R"(<HeartbeatInterval min="2ms" minsched="5ms" max="500ms">10ms</HeartbeatInterval>)"
           : R"(<HeartbeatInterval min="500us" minsched="500us" max="500ms">1ms</HeartbeatInterval>)";
-  // Who has a number of his own for the domain reads messages of other programs, such as clouds of points.
+  // A participant with its own process_domain reads messages of other programs, such as point clouds.
   constexpr std::uint32_t kMaxForeignBytes = 64 << 20;
   const std::uint32_t most_bytes = options.process_domain ? kMaxForeignBytes : wire_contract::kMaxMessageBytes;
   return R"(<Domain id="any"><General>)" + network_config(options) + "</General><Discovery>" + "<ExternalDomainId>" +
@@ -143,13 +143,13 @@ std::string domain_config(const ParticipantOptions& options) {
          "</ParticipantIndex><MaxAutoParticipantIndex>" + std::to_string(wire_contract::kMaxParticipantIndex) +
          "</MaxAutoParticipantIndex>" + peers_config(options) +
          "<SPDPInterval>1s</SPDPInterval><LeaseDuration>10s</LeaseDuration></Discovery><Internal>"
-         // A sample is assembled in memory before anything can refuse it, so its size is limited here.
+         // A sample is assembled in memory before any code can refuse it, so its size is limited here.
          "<MaxSampleSize>" +
          std::to_string(most_bytes) +
          "B</MaxSampleSize>"
          // `max` only requests; `min` would stop the start on a machine with small limits.
          R"(<SocketReceiveBufferSize max="8MB"/>)"
-         // By default a lost datagram is asked for again after 100 ms; a question should not wait for that.
+         // By default a lost datagram is requested again after 100 ms, too long for a question.
          "<NackDelay>10ms</NackDelay><PreEmptiveAckDelay>5ms</PreEmptiveAckDelay>"
          "<AutoReschedNackDelay>50ms</AutoReschedNackDelay>" +
          heartbeat + "<WriterLingerDuration>" + linger +
@@ -169,7 +169,7 @@ Participant::Participant(const ParticipantOptions& options) {
   configured_by_environment_ = uri != nullptr && *uri != 0;
   const std::string where = "domain " + std::to_string(options.domain) + ", interface '" + options.interface + "': ";
   if (!options.keys.empty()) {
-    // That configuration may name no keys, and all would go over the network in the clear.
+    // That configuration may lack keys, and all traffic would be unencrypted.
     if (configured_by_environment_) throw KeysError(where + "CYCLONEDDS_URI is set, so keys cannot be used; unset it");
     try {
       keys::check_keys(options.keys);
@@ -250,8 +250,8 @@ ReaderBase::ReaderBase(const TopicBase& topic, const TopicQos& row, const std::s
                        EntityCallbacks callbacks)
     : callbacks_(std::make_unique<EntityCallbacks>(std::move(callbacks))) {
   const Qos qos = row_qos(row, 0);
-  // Histories bound what a writer keeps for slow readers. A reader drains from its listener and must not lose what
-  // arrives meanwhile. Topics of state keep the newest of each key.
+  // Histories bound the samples a writer keeps for slow readers. A reader drains from its listener and must not lose
+  // samples that arrive meanwhile. Topics of state keep the newest sample of each key.
   if (row.durability == Durability::volatile_data) { dds_qset_history(qos.get(), DDS_HISTORY_KEEP_ALL, 0); }
   if (row.reader_max_samples > 0) {
     dds_qset_resource_limits(qos.get(), row.reader_max_samples, DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);

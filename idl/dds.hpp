@@ -31,8 +31,8 @@
 ///   dds::borrow(reply->answers, my_answers);                              // no copy: must outlive write()
 ///   if (!writer.write(*reply)) { /* timed out: the reader's queue is full */ }
 ///
-/// Errors throw DdsError, which says what was tried. Everything is move-only; an object must outlive what was made from
-/// it.
+/// Errors throw DdsError, which names the failed call. Everything is move-only; an object must outlive the objects made
+/// from it.
 namespace collided::wire {
 
 using Definition = ::collided_wire_v2_Definition;
@@ -52,27 +52,27 @@ using Change = ::collided_wire_v2_Change;
 
 namespace collided::dds {
 
-/// An error of DDS with what was tried: "collided/query: create writer: Out Of Resources".
+/// An error of DDS with the failed call: "collided/query: create writer: Out Of Resources".
 struct DdsError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The keys of this participant do not give the right to it.
+/// The keys of this participant do not grant the required right.
 struct NotAllowedError : DdsError {
   using DdsError::DdsError;
 };
 
-/// A folder of keys that cannot be used.
+/// A folder of keys is unusable.
 struct KeysError : DdsError {
   using DdsError::DdsError;
 };
 
-/// Returns `code`, or throws DdsError with `what` where it is an error.
+/// Returns `code`, or throws DdsError with `what` if it is an error.
 dds_return_t check(dds_return_t code, std::string_view what);
 
 // ---- types
 
-/// A wire type's descriptor and its row of the topic table.
+/// A wire type's descriptor and its row in the topic table.
 template <class T>
 struct WireType;
 template <>
@@ -136,8 +136,8 @@ struct WireType<wire::Member> {
   static constexpr const wire_contract::TopicQos& row = wire_contract::kMemberTopic;
 };
 
-/// One message whose memory is reused: taking into it again keeps its sequences' buffers. It owns what take() filled;
-/// borrow() may point its sequences elsewhere for the length of a write().
+/// A message with reusable memory: a later take() into it keeps its sequences' buffers. It owns what take() filled;
+/// borrow() may point its sequences elsewhere during a write().
 template <class T>
 class Sample {
  public:
@@ -156,8 +156,8 @@ class Sample {
   T* operator->() { return &value_; }
   const T* operator->() const { return &value_; }
 
-  /// About the last take. valid_data false: only the instance's state changed (info().instance_state), and only the key
-  /// is set.
+  /// Information about the last take. valid_data false: only the instance's state changed (info().instance_state), and
+  /// only the key is set.
   const dds_sample_info_t& info() const { return info_; }
 
  private:
@@ -170,7 +170,7 @@ class Sample {
 template <class Sequence>
 using ElementOf = std::remove_pointer_t<decltype(Sequence::_buffer)>;
 
-/// The elements of a sequence; valid as long as it is unchanged.
+/// The elements of a sequence; valid while it is unchanged.
 template <class Sequence>
 std::span<const ElementOf<Sequence>> view(const Sequence& sequence) {
   return {sequence._buffer, sequence._length};
@@ -186,7 +186,7 @@ void borrow(Sequence& sequence, const Range& range) {
   sequence._release = false;
 }
 
-/// Fills a bounded string. False, and an empty field, where the text is longer than the field.
+/// Fills a bounded string. If the text is longer than the field, empties it and returns false.
 template <std::size_t kRoom>
 [[nodiscard]] bool set_text(char (&field)[kRoom], std::string_view text) {
   const bool fits = text.size() < kRoom;
@@ -210,23 +210,24 @@ class Entity {
     return *this;
   }
   dds_entity_t get() const { return handle_; }
-  /// Deletes the entity; waits for its callbacks under way.
+  /// Deletes the entity after waiting for its running callbacks.
   void reset();
 
  private:
   dds_entity_t handle_ = 0;
 };
 
-/// A server takes a participant index and with it a fixed port that others find. A client takes none: clients find
-/// servers but not each other, so there may be any number of them.
+/// A server takes a participant index, and thereby a fixed port where others find it. A client takes none: clients
+/// discover servers but not each other, so their number is unlimited.
 enum class Role { server, client };
 
 /// interface       "lo": this machine only; "auto": the network, by multicast discovery; else an interface's name
-/// peers           addresses at which to look for participants besides
-/// keys            folder of keys (idl/keys): only who shows some of the same authority is met; empty: everybody is
-/// handshake       library that stands before Cyclone's own for authentication, where there are keys; empty: none
-/// process_domain  Cyclone's number for this domain within this process, where two participants of one process are to
-///                 meet over the network stack (tests); none: `domain`
+/// peers           additional addresses at which to look for participants
+/// keys            folder of keys (idl/keys): only participants with keys of the same authority are accepted; empty:
+///                 all are
+/// handshake       library that wraps Cyclone's authentication plugin, if there are keys; empty: none
+/// process_domain  Cyclone's number for this domain within this process, for tests in which two participants of one
+///                 process communicate over the network stack; none: `domain`
 struct ParticipantOptions {
   int domain = 0;  // 0 to kLastDomain
   Role role = Role::client;
@@ -237,19 +238,20 @@ struct ParticipantOptions {
   std::optional<int> process_domain = {};
 };
 
-/// Cyclone's configuration for these options. Throws DdsError for a character that no address or interface has.
+/// Cyclone's configuration for these options. Throws DdsError for a character that is invalid in an address or
+/// interface.
 std::string domain_config(const ParticipantOptions& options);
 
-/// A process's membership of a domain, one per process and domain. Deleting it deletes what was made from it.
+/// A process's membership in a domain, one per process and domain. Deleting it deletes the entities made from it.
 class Participant {
  public:
-  /// A CYCLONEDDS_URI in the environment replaces interface and peers; configured_by_environment() then says so. Throws
-  /// DdsError, which is also what is wrong with the keys, or std::invalid_argument for a domain out of range.
+  /// A CYCLONEDDS_URI in the environment replaces interface and peers; configured_by_environment() is then true. Throws
+  /// DdsError, also for faulty keys, or std::invalid_argument for a domain out of range.
   explicit Participant(const ParticipantOptions& options);
 
   dds_entity_t get() const { return participant_.get(); }
   bool configured_by_environment() const { return configured_by_environment_; }
-  /// How many other participants, of any program, are known now.
+  /// Number of other participants, of any program, now known.
   std::size_t others_seen() const;
   /// For tests: receives nothing (deaf) or sends nothing (mute) for `nanoseconds`, or until called with false, false.
   void set_deaf_mute(bool deaf, bool mute, std::int64_t nanoseconds);
@@ -260,7 +262,7 @@ class Participant {
   bool configured_by_environment_ = false;
 };
 
-/// What a topic has in common with topics of other types.
+/// The part of a topic that does not depend on its type.
 class TopicBase {
  public:
   dds_entity_t get() const { return topic_.get(); }
@@ -283,21 +285,22 @@ class TopicBase {
 template <class T>
 class Topic : public TopicBase {
  public:
-  /// row  of topics.hpp; to be given where a type travels on more than one topic
+  /// row  of topics.hpp; required if a type travels on more than one topic
   Topic(const Participant& participant, std::string_view name_space,
         const wire_contract::TopicQos& row = WireType<T>::row)
       : TopicBase(participant, name_space, row, WireType<T>::descriptor) {}
 };
 
-/// How many of the writers that a reader has matched are alive.
+/// Liveliness of the writers that a reader has matched.
 struct Liveliness {
   std::uint32_t alive = 0;
   std::uint32_t not_alive = 0;            // matched, but their lease has run out
-  dds_instance_handle_t last_writer = 0;  // whose state changed last: publication_handle in the info of its samples
+  dds_instance_handle_t last_writer = 0;  // writer with the last change of state: publication_handle in the info of its
+                                          // samples
 };
 
-/// Callbacks on DDS's receive thread: they may take, note and hand over. They must not block, throw, or make or delete
-/// entities, and may run before the constructor of their reader or writer has returned.
+/// Callbacks on DDS's receive thread, for taking samples and passing them on. They must not block, throw, or make or
+/// delete entities. They may run before the constructor of their reader or writer has returned.
 struct EntityCallbacks {
   std::function<void(dds_entity_t)> data = {};
   std::function<void(std::uint32_t current)> matched = {};
@@ -306,8 +309,8 @@ struct EntityCallbacks {
 
 /// partition        of the publisher made for it; empty: the default one
 /// lease_ns         > 0: the writer counts as alive while it writes or asserts at least this often (MANUAL_BY_TOPIC)
-/// lifespan_ns      > 0: samples that are not taken within this time vanish
-/// max_blocking_ns  longest wait of a write for a reader that is full
+/// lifespan_ns      > 0: samples that are not taken within this time are dropped
+/// max_blocking_ns  maximum time that a write waits for a full reader
 /// matched          called with the number of matched readers whenever that changes
 struct WriterOptions {
   std::string partition = {};
@@ -317,14 +320,14 @@ struct WriterOptions {
   std::function<void(std::uint32_t readers)> matched = {};
 };
 
-/// What writers of all types have in common.
+/// The part of a writer that does not depend on its type.
 class WriterBase {
  public:
   dds_entity_t get() const { return writer_.get(); }
   std::uint32_t matched_readers() const;
-  /// Keeps a writer with a lease alive. Once its lease has run out, only a write revives it.
+  /// Renews a writer's lease. After it has run out, only a write revives the writer.
   void assert_liveliness();
-  /// Waits until every matched reader has what was written; false if that takes longer than `nanoseconds`.
+  /// Waits until every matched reader has acknowledged all writes; false if that takes longer than `nanoseconds`.
   bool wait_for_acknowledgements(std::int64_t nanoseconds);
 
  protected:
@@ -347,11 +350,11 @@ class Writer : public WriterBase {
       : WriterBase(topic, topic.row(), std::move(options)) {}
   /// False: a reader was full for max_blocking_ns. Throws DdsError.
   [[nodiscard]] bool write(const T& sample) { return write_sample(&sample); }
-  /// Ends the instance of the sample's key: readers learn that it is gone.
+  /// Disposes the instance of the sample's key; readers are notified.
   void dispose(const T& sample) { dispose_sample(&sample); }
 };
 
-/// Samples lent by a reader without a copy, and given back by the destructor. The reader must outlive them.
+/// Samples lent by a reader without a copy, returned by the destructor. The reader must outlive them.
 template <class T>
 class Loans {
  public:
@@ -366,7 +369,7 @@ class Loans {
   Loans& operator=(Loans&&) = delete;
 
   std::size_t size() const { return static_cast<std::size_t>(count_); }
-  /// Only keys are set when !info(i).valid_data.
+  /// If !info(i).valid_data, only the key is set.
   const T& operator[](std::size_t i) const { return *static_cast<const T*>(samples_[i]); }
   const dds_sample_info_t& info(std::size_t i) const { return infos_[i]; }
 
@@ -380,27 +383,27 @@ class Loans {
   dds_sample_info_t infos_[kMost];
 };
 
-/// The number of samples that a take returned; throws DdsError. 0 where the reader is being deleted while its callback
+/// The number of samples that a take returned; throws DdsError. 0 if the reader is being deleted while its callback
 /// runs.
 inline std::size_t taken_count(dds_return_t code) {
   if (code == DDS_RETCODE_BAD_PARAMETER || code == DDS_RETCODE_ALREADY_DELETED) { return 0; }
   return static_cast<std::size_t>(check(code, "take"));
 }
 
-/// Takes samples from a reader; cheap to copy, and valid as long as the reader.
+/// Takes samples from a reader; cheap to copy, valid as long as the reader.
 template <class T>
 class Taker {
  public:
   explicit Taker(dds_entity_t reader) : reader_(reader) {}
   dds_entity_t reader() const { return reader_; }
 
-  /// Takes the next sample into memory that is reused; false where there is none.
+  /// Takes the next sample into reused memory; false if there is none.
   [[nodiscard]] bool take(Sample<T>& sample) const {
     void* buffer = &sample.value_;
     return taken_count(dds_take(reader_, &buffer, &sample.info_, 1, 1)) > 0;
   }
-  /// Takes as many samples as wait, at most samples.size() or 16, in one call; returns how many. Fewer than that: none
-  /// is left.
+  /// Takes the waiting samples in one call, at most samples.size() and at most 16; returns their number. A smaller
+  /// number means that none is left.
   [[nodiscard]] std::size_t take(std::span<Sample<T>* const> samples) const {
     constexpr std::size_t kMost = 16;
     void* buffers[kMost];
@@ -411,7 +414,7 @@ class Taker {
     for (std::size_t i = 0; i < count; ++i) { samples[i]->info_ = infos[i]; }
     return count;
   }
-  /// Up to 32 lent samples; to be called again until none comes.
+  /// Borrows up to 32 samples; call it until it returns none.
   Loans<T> take_loans() const {
     Loans<T> loans(reader_);
     loans.count_ = static_cast<std::int32_t>(
@@ -423,7 +426,7 @@ class Taker {
   dds_entity_t reader_;
 };
 
-/// data       called when samples wait; the taker works even before the reader's constructor has returned
+/// data       called when samples wait; its taker is valid even before the reader's constructor has returned
 /// matched    called with the number of matched writers whenever that changes
 /// partition  of the subscriber made for it; empty: the default one
 template <class T>
@@ -434,12 +437,12 @@ struct ReaderOptions {
   std::string partition = {};
 };
 
-/// What readers of all types have in common.
+/// The part of a reader that does not depend on its type.
 class ReaderBase {
  public:
   dds_entity_t get() const { return reader_.get(); }
   std::uint32_t matched_writers() const;
-  /// The handles of the matched writers: publication_handle in the info of their samples.
+  /// Handles of the matched writers: publication_handle in the info of their samples.
   std::vector<dds_instance_handle_t> matched_writer_handles() const;
 
  protected:
@@ -471,15 +474,15 @@ class Reader : public ReaderBase {
   }
 };
 
-/// Waits for readers that have no callback. One thread waits; any thread may wake().
+/// Waits for samples of readers without callbacks. One thread waits; any thread may wake() it.
 class WaitSet {
  public:
   explicit WaitSet(const Participant& participant);
   /// Makes wait() return `token` while samples wait in the reader. The token must not be -1.
   void attach(const ReaderBase& reader, std::intptr_t token);
-  /// Makes the running or the next wait() return at once.
+  /// Makes the current or next wait() return at once.
   void wake();
-  /// The tokens of readers with samples; empty after `nanoseconds`, or woken with none.
+  /// Returns the tokens of readers with samples; empty after `nanoseconds`, or after wake() without samples.
   std::vector<std::intptr_t> wait(std::int64_t nanoseconds);
 
  private:

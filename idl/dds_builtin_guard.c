@@ -13,7 +13,7 @@
 
 static const int32_t kMaxLease_s = 30;
 
-// The same for every domain. This library is never unloaded, so that Cyclone may call them as long as a domain lives.
+// Shared by all domains. This library is never unloaded, so Cyclone may call them as long as a domain lives.
 static struct ddsi_serdata_ops message_ops;
 static struct ddsi_serdata_ops announcement_ops;
 static collided_judge_participant judge_participant;
@@ -29,7 +29,7 @@ static struct ddsi_serdata* message_from_keyhash(const struct ddsi_sertype* type
   return NULL;
 }
 
-/// The value of a parameter, or null. Cyclone refuses announcements that have one of these parameters twice.
+/// The value of a parameter, or null. Cyclone refuses announcements with a duplicate of these parameters.
 static void* find_parameter(struct ddsi_serdata_plist* announcement, nn_parameterid_t id, size_t byte_count) {
   void* value = NULL;
   size_t found_byte_count = 0;
@@ -55,7 +55,7 @@ static struct ddsi_serdata* announcement_from_ser(const struct ddsi_sertype* typ
                                                   const struct nn_rdata* fragments, size_t byte_count) {
   struct ddsi_serdata* const made = ddsi_serdata_ops_plist.from_ser(type, kind, fragments, byte_count);
   if (made == NULL) return NULL;
-  made->ops = &ddsi_serdata_ops_plist;  // Cyclone recognizes lists of parameters by this address
+  made->ops = &ddsi_serdata_ops_plist;  // Cyclone recognizes parameter lists by this address
   struct ddsi_serdata_plist* const announcement = (struct ddsi_serdata_plist*)made;
   shorten_lease(announcement);
   struct ddsi_domaingv* const domain = (struct ddsi_domaingv*)ddsrt_atomic_ldvoidp(&type->gv);
@@ -87,7 +87,7 @@ bool collided_guard_domain(struct ddsi_domaingv* domain, collided_judge_particip
     announcement_ops = ddsi_serdata_ops_plist;
     announcement_ops.from_ser = announcement_from_ser;
   }
-  // Cyclone's threads may read announcements meanwhile.
+  // Cyclone's threads may be reading announcements.
   __atomic_store_n(&handshake->serdata_ops, &message_ops, __ATOMIC_RELEASE);
   __atomic_store_n(&exchange->serdata_ops, &message_ops, __ATOMIC_RELEASE);
   __atomic_store_n(&announcement->serdata_ops, &announcement_ops, __ATOMIC_RELEASE);

@@ -1,6 +1,6 @@
-// Stands in front of Cyclone's own authentication in every program that has keys. Cyclone loads its plugins from files:
-// a server loads this as collided-handshake.so, and the client library holds it, so that it loads itself. ProvenPeers says
-// what it is for in a server. In any program it keeps strangers from ending or blocking it (dds_builtin_guard.h).
+// Wraps Cyclone's authentication plugin in every program with keys. Cyclone loads its plugins from files: a server
+// loads this as collided-handshake.so; the client library contains it and loads itself. ProvenPeers documents its use
+// in a server. In any program it prevents strangers from crashing or blocking it (dds_builtin_guard.h).
 #include <dds/dds.h>
 #include <dds/security/dds_security_api_authentication.h>
 #include <dlfcn.h>
@@ -27,7 +27,7 @@ using Plugin = dds_security_authentication;
 using BeginPlugin = int (*)(const char*, void**, struct ddsi_domaingv*);
 using EndPlugin = int (*)(void*);
 
-/// A participant that is being met, by the handle of its identity.
+/// A participant during its handshake, by the handle of its identity.
 struct Remote {
   Plugin* plugin = nullptr;
   GuidPrefix prefix{};
@@ -38,13 +38,13 @@ struct Remote {
 
 using std::chrono::steady_clock;
 
-/// Each unproven participant costs a handshake, and as many can be made up as there are GUIDs. So few are met at a time.
-/// A participant without a proven identity by then makes room for the next, but not earlier: the handshakes of many programs
-/// that start together would push each other out forever.
+/// Each unproven participant costs a handshake, and a forger can invent any number of GUIDs. Therefore only few are
+/// admitted at a time. A participant whose identity is not proven within kTimeToProve makes room for the next, but
+/// not earlier: otherwise the handshakes of many programs that start together would evict each other forever.
 constexpr std::size_t kMostUnproven = 256;
 constexpr std::chrono::seconds kTimeToProve{10};
 
-/// A domain in which participants are met.
+/// The participants of a domain.
 struct Domain {
   struct ddsi_domaingv* cyclone = nullptr;
   std::array<std::uint8_t, 16> own_guid{};
@@ -53,7 +53,7 @@ struct Domain {
   std::set<GuidPrefix> proven;
 };
 
-/// One for the process.
+/// One per process.
 struct MetPeers {
   std::mutex mutex;
   std::map<Plugin*, Domain> domains;
@@ -88,7 +88,8 @@ DDS_Security_ValidationResult_t validate_local_identity(Plugin* plugin, DDS_Secu
   return result;
 }
 
-/// Whether to meet a participant whose announcement has come (dds_builtin_guard.h). A proven one no longer counts.
+/// Decides whether to admit a participant that has announced itself (dds_builtin_guard.h). A proven one no longer
+/// counts towards the limit.
 bool judge_participant(struct ddsi_domaingv* cyclone, const std::uint8_t* beginning, std::uint8_t* own_guid) {
   MetPeers& all = meetings();
   GuidPrefix prefix;
@@ -114,7 +115,7 @@ bool judge_participant(struct ddsi_domaingv* cyclone, const std::uint8_t* beginn
     }
     domain.unproven.emplace(prefix, now);
   }
-  // Outside of the lock: Cyclone gives its handles back meanwhile.
+  // Outside of the lock, since Cyclone releases its handles meanwhile.
   if (dropped) collided_drop_participant(cyclone, dropped->data());
   return true;
 }
@@ -126,7 +127,7 @@ DDS_Security_ValidationResult_t validate_remote_identity(
   MetPeers& all = meetings();
   const auto result =
       all.original.validate_remote_identity(plugin, remote, request, remote_request, local, token, guid, ex);
-  // Cyclone takes the length of this text a second later, also where it has asked for the handshake to fail.
+  // Cyclone reads the length of this text a second later, even if the handshake has been rejected.
   if (request->class_id == nullptr) request->class_id = dds_string_dup("");
   if (result == DDS_SECURITY_VALIDATION_FAILED) return result;
   const std::lock_guard lock(all.mutex);
@@ -172,7 +173,7 @@ std::string property(const DDS_Security_AuthenticatedPeerCredentialToken& token,
   return {};
 }
 
-/// Why this peer is not to be met; empty where it is, and then it is remembered.
+/// Returns why this peer is refused; empty: it is accepted, and remembered.
 std::string judge(MetPeers& all, DDS_Security_HandshakeHandle handshake, const ProvenPeer& shown) {
   const std::lock_guard lock(all.mutex);
   const auto named = all.remote_of_handshake.find(handshake);
@@ -201,7 +202,7 @@ std::string judge(MetPeers& all, DDS_Security_HandshakeHandle handshake, const P
   return refusal;
 }
 
-/// Called once the peer has proved that the certificate is its own, before anything is allowed to it.
+/// Called after the peer has proved that it owns the certificate, and before it gets any permission.
 DDS_Security_boolean peer_credential(Plugin* plugin, DDS_Security_AuthenticatedPeerCredentialToken* token,
                                      const DDS_Security_HandshakeHandle handshake, DDS_Security_SecurityException* ex) {
   MetPeers& all = meetings();
@@ -247,7 +248,7 @@ DDS_Security_boolean return_handshake(Plugin* plugin, const DDS_Security_Handsha
   return meetings().original.return_handshake_handle(plugin, handshake, ex);
 }
 
-/// Cyclone closes its plugins before the domain whose packets our functions read.
+/// Cyclone unloads its plugins before the domain whose packets our functions read.
 bool stay_loaded() {
   Dl_info self{};
   return dladdr(reinterpret_cast<const void*>(&stay_loaded), &self) != 0 &&
@@ -325,7 +326,7 @@ void collided_handshake_revoke(const std::set<std::string>& serials) {
       gone.emplace_back(remote.plugin, handle);
     }
   }
-  // Outside of the lock: DDS gives the handles back meanwhile.
+  // Outside of the lock, since DDS releases the handles meanwhile.
   if (listener == nullptr || listener->on_revoke_identity == nullptr) return;
   for (const auto& [plugin, handle] : gone) listener->on_revoke_identity(plugin, handle);
 }

@@ -17,7 +17,7 @@ Function symbol(void* library, const char* name) {
 }  // namespace
 
 ProvenPeers::ProvenPeers(const std::string& library) {
-  // Never closed: DDS's threads may run in it for as long as the process lives.
+  // Never closed: DDS's threads may run in it until the process ends.
   void* const loaded = dlopen(library.c_str(), RTLD_NOW);
   if (loaded == nullptr) {
     const char* const why = dlerror();

@@ -8,18 +8,18 @@
 
 namespace collided::dds {
 
-/// What all entities of a participant have in common in their GUIDs.
+/// The part of the GUID that all entities of a participant share.
 using GuidPrefix = std::array<std::uint8_t, 12>;
 
-/// What a participant has proved in its handshake, and that its GUID begins as its certificate demands.
+/// The credentials that a participant has proved in its handshake. Its GUID begins as its certificate requires.
 struct ProvenPeer {
   std::string certificate;  // PEM
   std::string permissions;  // S/MIME
 };
 
-/// The library that stands before Cyclone's own for authentication in a server with keys. Cyclone takes it from a peer's
-/// own word that its GUID fits its certificate; this compares the GUID that the peer's packets come from, since by that
-/// the server tells peers apart. It also remembers who has proved what, and forgets those whose certificate is revoked.
+/// The library that wraps Cyclone's authentication plugin in a server with keys. Cyclone trusts a peer's claim that its
+/// GUID matches its certificate. This library checks the GUID in the peer's packets, by which the server distinguishes
+/// peers. It also caches authenticated peers, and drops those with revoked certificates.
 ///
 /// threads  any
 class ProvenPeers {
@@ -27,14 +27,14 @@ class ProvenPeers {
   /// Loads the library. Throws DdsError.
   explicit ProvenPeers(const std::string& library);
 
-  /// None where no participant with this prefix has come through the handshake.
+  /// None if no participant with this prefix has completed the handshake.
   std::optional<ProvenPeer> find(const GuidPrefix& prefix) const;
-  /// Refuses certificates of these serial numbers (hexadecimal) from now on, and has DDS drop the participants that
-  /// have shown one.
+  /// Refuses certificates of these serial numbers (hexadecimal) from now on, and lets DDS drop participants that have
+  /// shown one.
   void revoke(const std::set<std::string>& serials) const;
-  /// How many participants were refused, for whatever reason above.
+  /// Number of participants refused, for any of these reasons.
   std::uint64_t refused() const;
-  /// How many announcements of participants were ignored, because too many others had not proven anything yet.
+  /// Number of participant announcements ignored because too many participants were unproven.
   std::uint64_t turned_away() const;
 
  private:

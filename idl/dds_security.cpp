@@ -13,7 +13,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Debian puts the plugins into a folder beside libddsc, where no loader looks; elsewhere it finds them by name.
+/// Debian puts the plugins into a folder next to libddsc, which the loader does not search. Elsewhere it finds them by
+/// name.
 std::string plugin(const std::string& name) {
   Dl_info library{};
   if (dladdr(reinterpret_cast<const void*>(&dds_create_participant), &library) != 0 && library.dli_fname != nullptr) {
@@ -24,11 +25,11 @@ std::string plugin(const std::string& name) {
   return name;
 }
 
-/// The shared library that holds this code, if it also holds the functions of the handshake; else empty.
+/// The shared library with this code, if it also has the handshake functions; else empty.
 std::string own_library() {
   Dl_info self{};
   if (dladdr(reinterpret_cast<const void*>(&own_library), &self) == 0 || self.dli_fname == nullptr) return {};
-  // The name as the loader knows it: a file cannot be found again by a relative path from another folder.
+  // The loader's name for the file: a relative path fails after a change of folder.
   void* const loaded = dlopen(self.dli_fname, RTLD_NOW | RTLD_NOLOAD);
   if (loaded == nullptr) return {};  // a program
   const bool holds_handshake = dlsym(loaded, kHandshakeBegin) != nullptr;
@@ -36,7 +37,7 @@ std::string own_library() {
   return holds_handshake ? self.dli_fname : std::string();
 }
 
-/// What stands in XML in which Cyclone expands variables of the environment.
+/// Checks a path for use in XML in which Cyclone expands environment variables.
 const std::string& checked_path(const std::string& path) {
   for (const char c : path) {
     if (static_cast<unsigned char>(c) < ' ' || std::string_view("<>&\"'$,").find(c) != std::string_view::npos)

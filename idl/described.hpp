@@ -12,37 +12,38 @@
 #include <type_traits>
 #include <vector>
 
-/// Answers as structs, each with one list of its fields, from which its JSON is written and read (idl/described_json.hpp):
+/// Answers as structs, each with one list of its fields that defines its JSON (idl/described_json.hpp):
 ///
 ///     constexpr auto fields_of(const Crate*) {
 ///       return listed(fields<&Crate::name, &Crate::weight_kg>(), field("colour", &Crate::paint, kPaintWords));
 ///     }
 namespace collided {
 
-/// always          it is written, and must be there when it is read
-/// unless_default  where it has the value that a new answer has, it is not written
+/// always          written, and required when read
+/// unless_default  not written if it has its default value
 /// as_list         an optional value as a list of one or none
 /// or_null         an optional value, null where there is none
-/// in_seconds      a time as a number of seconds; it is not read
+/// in_seconds      a time as a number of seconds; not read
 enum class Written { always, unless_default, as_list, or_null, in_seconds };
 
-/// The words for the codes of an enumeration that has the same ones everywhere.
+/// The words for an enumeration's codes, if they are the same in all answers.
 template <class Code>
 inline constexpr std::span<const char* const> kWordsOf{};
 
-/// A member of T, and how it stands in JSON: a time in nanoseconds, a vector as three numbers, a pose as seven (w first), an
-/// infinite number as "inf", an optional member that has no value not at all, a code as its word.
+/// A member of T and its form in JSON: a time in nanoseconds, a vector as three numbers, a pose as seven (w first), an
+/// infinite number as "inf", a code as its word. An optional member without a value is omitted.
 template <class T, class Member>
 struct DescribedField {
   const char* name;
   Member T::*member;
   Written written = Written::always;
-  // Of an enumeration, by its codes; empty: name_of() or kWordsOf has them. A bool with a word is that word, or not there.
+  // Words of an enumeration by its codes; empty: name_of() or kWordsOf has them. A bool with a word is written as that
+  // word, or omitted.
   std::span<const char* const> words = {};
-  bool (*only_if)(const T&) = nullptr;  // it is there where this is true of the members before it; null: always
+  bool (*only_if)(const T&) = nullptr;  // present if this is true of the members before it; null: always
 
   const Member& of(const T& answer) const { return answer.*member; }
-  /// The word for an enumeration's code; empty: it has none.
+  /// The word for an enumeration's code; empty: none.
   std::string_view word(Member code) const {
     if constexpr (requires { name_of(code); }) {
       if (words.empty()) return name_of(code);
@@ -57,7 +58,7 @@ template <auto kMember>
 constexpr std::string_view text_of_member() {
   return __PRETTY_FUNCTION__;
 }
-/// A member's name in JSON: a length is without its unit (error_m: "error"), a time has its unit (age: "age_ns").
+/// A member's name in JSON: a length loses its unit (error_m: "error"), a time gets its unit (age: "age_ns").
 template <auto kMember, class Member>
 inline constexpr auto kNameInJson = [] {
   constexpr std::string_view text = text_of_member<kMember>();
@@ -101,7 +102,7 @@ template <auto... kMembers>
 constexpr auto in_seconds() {
   return fields<kMembers...>(Written::in_seconds);
 }
-/// kCondition  a bool member of T, or a function of T: whether the fields are there
+/// kCondition  a bool member of T, or a function of T: true if the fields are present
 template <auto kCondition, class T, class Member>
 constexpr DescribedField<T, Member> field_if(DescribedField<T, Member> field) {
   field.only_if = [](const T& answer) { return static_cast<bool>(std::invoke(kCondition, answer)); };
@@ -115,7 +116,7 @@ template <auto kCondition, auto... kMembers>
 constexpr auto fields_if() {
   return std::apply([](auto... field) { return std::tuple(field_if<kCondition>(field)...); }, fields<kMembers...>());
 }
-/// One list of single fields and of lists.
+/// Joins single fields and lists into one list.
 template <class... Parts>
 constexpr auto listed(const Parts&... parts) {
   const auto as_tuple = []<class Part>(const Part& part) {
@@ -125,12 +126,12 @@ constexpr auto listed(const Parts&... parts) {
   return std::tuple_cat(as_tuple(parts)...);
 }
 
-void fields_of() = delete;  // each answer has its own
+void fields_of() = delete;  // each answer defines its own
 template <class T>
 concept Described = requires(const T* none) {
   fields_of(none);
 };
-/// A described type that stands in JSON as one list of its fields' numbers, without names.
+/// A described type whose JSON is one list of its fields' numbers, without names.
 template <class T>
 inline constexpr bool kIsRow = false;
 template <class T>
@@ -147,7 +148,7 @@ void visit_fields(const Visit& visit) {
   std::apply([&](const auto&... fields) { (visit(fields), ...); }, fields_of(static_cast<const T*>(nullptr)));
 }
 
-/// False: the answer has no such member.
+/// Returns false if the answer has no such member.
 template <class T, class Member>
 bool is_there(const DescribedField<T, Member>& field, const std::type_identity_t<T>& answer) {
   if (field.only_if != nullptr && !field.only_if(answer)) return false;

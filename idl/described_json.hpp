@@ -15,7 +15,7 @@
 
 #include "idl/described.hpp"
 
-/// Described answers written as JSON, and read from it.
+/// Writes described answers as JSON, and reads them from it.
 namespace collided {
 
 template <class Value>
@@ -52,7 +52,7 @@ nlohmann::json json_of(const Value& value) {
   } else return value;
 }
 
-/// Of a field that is there.
+/// Writes a field that is present.
 template <class T, class Member>
 nlohmann::json json_of_field(const DescribedField<T, Member>& field, const std::type_identity_t<T>& answer) {
   const Member& value = field.of(answer);
@@ -69,12 +69,12 @@ nlohmann::json json_of_field(const DescribedField<T, Member>& field, const std::
 
 // ---- reading -------------------------------------------------------------------------------------------------------
 
-/// A place in an answer, as long as the one around it lives.
+/// A place in an answer; the enclosing place must outlive it.
 struct JsonPlace {
-  bool may_lack = false;  // a member that is missing keeps its default value
+  bool may_lack = false;  // missing members keep their default values
   const JsonPlace* around = nullptr;
-  const char* name = nullptr;  // null: the place is in a list
-  std::size_t number = 0;      // in that list
+  const char* name = nullptr;  // null: the place is an element of a list
+  std::size_t number = 0;      // its index
 
   JsonPlace at(const char* member) const { return {.may_lack = may_lack, .around = this, .name = member}; }
   JsonPlace at(std::size_t i) const { return {.may_lack = may_lack, .around = this, .number = i}; }
@@ -85,7 +85,7 @@ struct JsonPlace {
   }
 };
 
-/// Throws nlohmann::json::exception with the place of what does not fit: "inside/3/clearance is missing".
+/// Throws nlohmann::json::exception with the place of the mismatch: "inside/3/clearance is missing".
 [[noreturn]] inline void refuse_json(const JsonPlace& place, const char* why) {
   throw nlohmann::json::other_error::create(501, place.path() + why, nullptr);
 }
@@ -157,7 +157,7 @@ void read_field(const nlohmann::json& json, const JsonPlace& parent, const Descr
     constexpr int kMostCodes = 256;
     int code = 0;
     while (code < kMostCodes && *found != field.word(static_cast<Member>(code))) ++code;
-    // The word of no code is empty, as is that of the code 0 of some enumerations.
+    // Codes without a word have an empty one, as has the code 0 of some enumerations.
     if (code == kMostCodes || (code > 0 && *found == "")) refuse_json(place, " is a word that is not known");
     value = static_cast<Member>(code);
   } else if constexpr (kIsOptional<Member>) {
@@ -169,9 +169,9 @@ void read_field(const nlohmann::json& json, const JsonPlace& parent, const Descr
   }
 }
 
-/// An answer as it was written; members that T does not have are passed over. Throws nlohmann::json::exception.
+/// Reads an answer; members that T does not have are ignored. Throws nlohmann::json::exception.
 ///
-/// may_lack  a member that is missing keeps its default value
+/// may_lack  missing members keep their default values
 template <class T>
 T from_json(const nlohmann::json& json, bool may_lack = false) {
   T answer{};

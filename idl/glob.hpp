@@ -4,12 +4,13 @@
 #include <string>
 #include <string_view>
 
-/// Name patterns, matched alike by both sides: * any run of bytes, ? one byte, [a-z] one byte of a set, [!a-z] or
-/// [^a-z] one that is not in it.
+/// Name patterns, matched in the same way by client and server: * any run of bytes, ? one byte, [a-z] one byte of a
+/// set, [!a-z] or [^a-z] one byte outside the set.
 namespace collided::wire_contract {
 namespace glob_detail {
 
-/// Matches one set "[...]" at pattern[at] against a byte and moves `at` past the set. A '[' without an end is no set.
+/// Matches one set "[...]" at pattern[at] against a byte and moves `at` past the set. A '[' without an end is an
+/// ordinary byte.
 inline bool matches_set(std::string_view pattern, std::size_t& at, char c, bool& is_set) {
   std::size_t i = at + 1;
   const bool negated = i < pattern.size() && (pattern[i] == '!' || pattern[i] == '^');
@@ -31,10 +32,10 @@ inline bool matches_set(std::string_view pattern, std::size_t& at, char c, bool&
 
 }  // namespace glob_detail
 
-/// Whether the whole text matches the pattern; an empty pattern matches only the empty text.
+/// True if the whole text matches the pattern; an empty pattern matches only the empty text.
 ///
-/// Only the last star is remembered: on a mismatch it takes one more byte. That is enough, since a later star can take
-/// whatever an earlier one could. The time is at most pattern length times text length.
+/// Only the last star is remembered: on a mismatch it absorbs one more byte. That suffices, since a later star can
+/// absorb all that an earlier one could. The time is at most pattern length times text length.
 inline bool glob_matches(std::string_view pattern, std::string_view text) {
   std::size_t p = 0;
   std::size_t t = 0;
@@ -73,7 +74,7 @@ inline bool glob_matches(std::string_view pattern, std::string_view text) {
   return p == pattern.size();
 }
 
-/// A pattern that this text alone matches.
+/// A pattern that matches exactly this text.
 inline std::string glob_of(std::string_view text) {
   std::string pattern;
   for (const char c : text) {

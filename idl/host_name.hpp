@@ -7,7 +7,7 @@
 
 namespace collided::wire_contract {
 
-/// Of this machine; "unknown" where it has none.
+/// The name of this machine; "unknown" if it has none.
 inline std::string host_name() {
   std::array<char, 256> name{};
   if (gethostname(name.data(), name.size() - 1) != 0) return "unknown";

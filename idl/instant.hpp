@@ -10,8 +10,8 @@
 
 namespace collided::wire_contract {
 
-/// The instant that a question is about: `instant` and `instant_ns` of a Query, and in commands a text: "" for latest,
-/// "settled", "1795348990000000000" (ns since 1970), or "-2000000000" (ns before the server's newest).
+/// The instant that a question is about: `instant` and `instant_ns` in a Query; in commands a text: "" for latest,
+/// "settled", "1795348990000000000" (ns since 1970), or "-2000000000" (ns before the server's newest instant).
 struct AskedInstant {
   using Kind = codes::InstantKind;
   Kind kind = Kind::latest;
@@ -20,7 +20,7 @@ struct AskedInstant {
   friend bool operator==(const AskedInstant&, const AskedInstant&) = default;
 };
 
-/// The instant as text for a command.
+/// Writes the instant as text for a command.
 inline std::string text_of(const AskedInstant& instant) {
   switch (instant.kind) {
     case AskedInstant::Kind::latest: return {};
@@ -31,7 +31,7 @@ inline std::string text_of(const AskedInstant& instant) {
   return "-" + std::to_string(instant.ns);
 }
 
-/// The instant of a command's text; nothing for any other text.
+/// Reads the instant from a command's text; nothing if the text is invalid.
 inline std::optional<AskedInstant> asked_instant(std::string_view text) {
   if (text.empty()) return AskedInstant{};
   if (text == "settled") return AskedInstant{.kind = AskedInstant::Kind::settled};

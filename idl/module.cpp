@@ -10,13 +10,13 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The folders of the file that holds this code and of the program: a library finds modules in any process.
+/// The folders of the file with this code and of the program, so that a library finds modules in any process.
 std::vector<fs::path> own_folders() {
   std::vector<fs::path> folders;
   std::error_code error;
   Dl_info self{};
   if (dladdr(reinterpret_cast<const void*>(&module_function), &self) != 0 && self.dli_fname != nullptr) {
-    // Of a program the name is the word that it was started by, which may be found in PATH alone.
+    // For a program, the name is the word that started it, which may be relative to PATH.
     const fs::path file = fs::canonical(self.dli_fname, error);
     if (!error) folders.push_back(file.parent_path());
   }
@@ -24,11 +24,11 @@ std::vector<fs::path> own_folders() {
   return folders;
 }
 
-/// The module's path; empty: it is nowhere.
+/// The module's path; empty: not found.
 fs::path path_of_module(const std::string& file) {
   std::error_code error;
   std::vector<fs::path> places;
-  // From the folder of libraries, of programs, and of helpers; build trees are laid out like a prefix.
+  // Relative to the folders of libraries, of programs and of helpers; build trees are laid out like a prefix.
   for (const fs::path& folder : own_folders())
     for (const char* way : {"collided", "../" COLLIDED_LIBDIR "/collided", "../../" COLLIDED_LIBDIR "/collided"})
       places.push_back(folder / way / file);

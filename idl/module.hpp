@@ -3,19 +3,20 @@
 #include <stdexcept>
 #include <string>
 
-/// Parts of this project that link libraries which only some users need. Each is a file that is loaded when it is first used,
-/// so that nothing else links those libraries.
+/// Modules: parts of this project whose libraries only some users need. Each is a file that is loaded at its first use,
+/// so that other parts do not link those libraries.
 namespace collided {
 
-/// It is not installed or cannot be loaded: which part needs it, where it was looked for, which package has it.
+/// A module is not installed or cannot be loaded. The message names the part that needs it, the folders searched, and
+/// the package with it.
 struct ModuleMissing : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The function by which a module is used. The module stays loaded for as long as the process lives.
+/// Returns a module's entry function. The module stays loaded until the process ends.
 ///
-/// file     its name, such as "collided-http.so"
-/// purpose  what needs it: "etcd"
+/// file     file name, such as "collided-http.so"
+/// purpose  the part that needs it, such as "etcd"
 /// throws   ModuleMissing
 /// threads  any
 void* module_function(const std::string& file, const char* function, const std::string& purpose);

@@ -3,7 +3,7 @@
 namespace collided::wire_contract {
 namespace {
 
-/// Length of the well-formed UTF-8 sequence at the start of the text; 0 where there is none.
+/// Length of the well-formed UTF-8 sequence at the start of the text; 0 if there is none.
 ///
 /// source  The Unicode Standard, table 3-7
 std::size_t utf8_length(std::string_view text) {

@@ -7,11 +7,11 @@
 #include <string_view>
 #include <vector>
 
-/// Many fences in the bytes of one command `fence`: of each the length of its arguments (4 bytes, the lowest first),
-/// these as JSON, the length of its shape, and that.
+/// Many fences in the bytes of one command `fence`. Each has the length of its arguments (4 bytes, little-endian), the
+/// arguments as JSON, the length of its shape, and the shape.
 namespace collided::wire_contract {
 
-/// A fence in such bytes, which must outlive it.
+/// A fence in such bytes, which must outlive this view.
 struct PackedFence {
   std::string_view arguments;
   std::span<const std::byte> shape;
@@ -28,7 +28,7 @@ inline void pack_fence(std::vector<std::uint8_t>& bytes, std::string_view argume
   append(shape);
 }
 
-/// The fences in bytes of unknown origin; nothing where the bytes end within one.
+/// Reads fences from bytes of unknown origin; nothing if the bytes end within one.
 inline std::optional<std::vector<PackedFence>> unpack_fences(std::span<const std::byte> bytes) {
   constexpr std::size_t kLengthBytes = 4;
   std::vector<PackedFence> fences;

@@ -17,7 +17,7 @@ std::uint64_t participant_of(const dds_builtintopic_endpoint_t& endpoint) {
   std::array<std::uint64_t, 2> halves{};
   static_assert(sizeof endpoint.participant_key.v == sizeof halves);
   std::memcpy(halves.data(), endpoint.participant_key.v, sizeof halves);
-  // Mixed, since of one machine's participants only some bytes differ (Steele et al., SplitMix64).
+  // Mixed, since participants of one machine differ in only some bytes (Steele et al., SplitMix64).
   std::uint64_t mixed = halves[0] ^ (halves[1] * 0x9e3779b97f4a7c15);
   mixed = (mixed ^ (mixed >> 30)) * 0xbf58476d1ce4e5b9;
   mixed = (mixed ^ (mixed >> 27)) * 0x94d049bb133111eb;

@@ -16,7 +16,7 @@ struct Address {
   socklen_t size = 0;
 };
 
-/// An abstract name begins with a zero byte and has no end but the address's size.
+/// An abstract name begins with a zero byte and ends with the address's size.
 Address address_of(int domain, std::string_view name_space, std::string_view interface) {
   const std::string text =
       "collided/" + std::to_string(domain) + "/" + std::string(interface) + "/" + std::string(name_space);
@@ -28,7 +28,7 @@ Address address_of(int domain, std::string_view name_space, std::string_view int
   return address;
 }
 
-/// A socket of that name, bound or connected by `call`; -1 where that is refused.
+/// Opens a socket of that name, bound or connected by `call`; -1 if that is refused.
 template <class Call>
 int open_socket(int domain, std::string_view name_space, std::string_view interface, Call call) {
   const int opened = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -44,7 +44,7 @@ int open_socket(int domain, std::string_view name_space, std::string_view interf
 Presence::Presence(int domain, std::string_view name_space, std::string_view interface)
     : somewhere_(open_socket(domain, name_space, {}, ::bind)),
       reached_(interface.empty() ? -1 : open_socket(domain, name_space, interface, ::bind)) {
-  // Nobody reads what others may send.
+  // Rejects data from other processes, since no code reads it.
   for (const int opened : {somewhere_, reached_})
     if (opened >= 0) shutdown(opened, SHUT_RD);
 }

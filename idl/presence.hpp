@@ -4,16 +4,16 @@
 
 namespace collided::wire_contract {
 
-/// A mark by which the programs of this machine see that a server of a domain and namespace runs here, without DDS: a Unix
-/// socket of an abstract name, which goes with the process. It reaches as far as loopback does (one network namespace).
-/// Any process can make such a mark, so it says how long waiting is worth while and nothing else. Names that are longer
-/// than a socket's may be (some 80 bytes of the namespace) share one.
+/// A mark by which programs of this machine detect, without DDS, that a server of a domain and namespace runs here: a
+/// Unix socket with an abstract name, which vanishes with the process. It is visible in the same network namespace, as
+/// loopback is. Any process can make such a mark, so it only influences how long to wait. Namespaces longer than a
+/// socket's name (some 80 bytes) share a mark.
 ///
-/// interface  over which everybody of the namespace hears the server; empty: nobody can be sure to, since it has keys or a
-///            configuration of DDS of its own
+/// interface  the interface over which every client of the namespace receives the server; empty: reception is
+///            uncertain, since the server has keys or its own DDS configuration
 class Presence {
  public:
-  /// Without a mark where the system has no such sockets, or another process holds the name.
+  /// Makes no mark if the system lacks such sockets, or another process holds the name.
   Presence(int domain, std::string_view name_space, std::string_view interface);
   ~Presence();
   Presence(const Presence&) = delete;
@@ -23,9 +23,9 @@ class Presence {
   int somewhere_, reached_;  // -1: no mark
 };
 
-/// Whether a process of this machine holds the mark.
+/// True if a process of this machine holds the mark.
 ///
-/// interface  empty: of whichever, and whether it can be heard or not
+/// interface  empty: any interface, also without certain reception
 /// threads    any
 bool is_present_here(int domain, std::string_view name_space, std::string_view interface = {});
 

@@ -8,12 +8,12 @@
 #include "collided/codes.hpp"
 #include "idl/unit_quaternion.hpp"
 
-/// What makes a row of numbers a question. The client refuses by these rules before it sends, the server again on
-/// arrival, since not every client is this library.
+/// Rules for the numbers of a question. The client checks them before it sends. The server checks them again on
+/// arrival, since clients may not use this library.
 namespace collided::wire_contract {
 
-/// The largest size of a coordinate or a length that comes in, metres: in a question, a pose, a shape, a file or a command.
-/// A few of them can be added before a double overflows, so that no distance between objects is infinite.
+/// The largest magnitude of an input coordinate or length, metres: in a question, a pose, a shape, a file or a command.
+/// A few of them can be added without overflow of a double, so that distances between objects are finite.
 inline constexpr double kMostCoordinate = 1e290;
 
 /// False for NaN and infinity.
@@ -26,11 +26,11 @@ bool are_coordinates(const Vector& v) {
 /// point      coordinates
 /// direction  coordinates, and not 0 0 0
 /// size       a coordinate, 0 or more
-/// reach      0 or more; infinite: no end
+/// reach      0 or more; may be infinite
 /// rotation   a unit quaternion w x y z
 enum class NumberRule : std::uint8_t { point, direction, size, reach, rotation };
 
-/// Numbers of a row that belong together, and the name by which errors call them.
+/// Numbers of a row that belong together, and their name in errors.
 struct NumberField {
   const char* name;
   std::size_t first;
@@ -56,7 +56,7 @@ inline constexpr NumberField kSweepFields[] = {{"from", 0, 3, NumberRule::point}
 inline constexpr NumberField kPoseFields[] = {{"position", 0, 3, NumberRule::point},
                                               {"rotation", 3, 4, NumberRule::rotation}};
 
-/// How many numbers a row has.
+/// Number of numbers in a row.
 inline constexpr std::uint32_t kRayNumbers = 7;
 inline constexpr std::uint32_t kSphereNumbers = 4;
 inline constexpr std::uint32_t kBoxNumbers = 10;
@@ -64,7 +64,8 @@ inline constexpr std::uint32_t kNearNumbers = 4;
 inline constexpr std::uint32_t kInsideNumbers = 3;
 inline constexpr std::uint32_t kPoseNumbers = 7;
 inline constexpr std::uint32_t kSweepNumbers = 2 * kPoseNumbers;
-/// Of a question of this kind; of what-if of each object's pose; 0 for kinds that ask nothing about the world.
+/// Number of numbers in a question of this kind; for what-if in the pose of each object; 0 for kinds without questions
+/// about the world.
 constexpr std::uint32_t numbers_of(codes::QuestionKind kind) {
   switch (kind) {
     case codes::QuestionKind::ray: return kRayNumbers;
@@ -78,10 +79,10 @@ constexpr std::uint32_t numbers_of(codes::QuestionKind kind) {
   }
 }
 
-/// Whether the field's numbers keep its rule. NaN never does. Always inline: with a constant field it is a few
+/// True if the field's numbers satisfy its rule. NaN never does. Always inline: with a constant field it is a few
 /// comparisons.
 ///
-/// numbers  the field's own
+/// numbers  those of the field
 [[gnu::always_inline]] constexpr bool is_kept(const NumberField& field, const double* numbers) {
   if (field.rule == NumberRule::rotation) return is_unit_quaternion(numbers[0], numbers[1], numbers[2], numbers[3]);
   bool are_coordinates = true;
@@ -101,7 +102,7 @@ constexpr std::uint32_t numbers_of(codes::QuestionKind kind) {
   }
 }
 
-/// Whether a row keeps all rules; kFields is one of the lists above.
+/// True if a row satisfies all rules; kFields is one of the lists above.
 template <const auto& kFields>
 bool keeps_rules(const double* row) {
   return [&]<std::size_t... i>(std::index_sequence<i...>) {

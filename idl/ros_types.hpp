@@ -3,7 +3,7 @@
 #include "idl/dds.hpp"
 #include "idl/ros.h"
 
-/// The messages of ros.idl as wire types, and the topics on which ROS 2 has them: a topic /NAME is "rt/NAME" there.
+/// The messages of ros.idl as wire types, and their ROS 2 topics: a topic /NAME is "rt/NAME" in DDS.
 namespace collided::ros {
 
 using TfMessage = ::tf2_msgs_msg_dds__TFMessage_;
@@ -19,11 +19,11 @@ using Float64Message = ::std_msgs_msg_dds__Float64_;
 using Diagnostics = ::diagnostic_msgs_msg_dds__DiagnosticArray_;
 using GzContacts = ::ros_gz_interfaces_msg_dds__Contacts_;
 
-/// In place of a namespace.
+/// Used instead of a namespace.
 inline constexpr const char* kTopicPrefix = "rt";
 
-/// A reader takes what any writer of ROS offers: best effort where some publish sensor data so. A queue of a thousand
-/// is a second of a hundred broadcasters; what it has no room for, the oldest, is lost as in ROS.
+/// A reader accepts any writer of ROS: best effort for topics on which some publish sensor data. A queue of a thousand
+/// holds a second of a hundred broadcasters; when it is full, the oldest is dropped, as in ROS.
 inline constexpr wire_contract::TopicQos kTfTopic{
     "tf", wire_contract::Reliability::reliable, wire_contract::Durability::volatile_data, 1'000, 0, false};
 inline constexpr wire_contract::TopicQos kTfStaticTopic{
@@ -32,13 +32,13 @@ inline constexpr wire_contract::TopicQos kJointStateTopic{
     "joint_states", wire_contract::Reliability::best_effort, wire_contract::Durability::volatile_data, 100, 0, false};
 inline constexpr wire_contract::TopicQos kRobotDescriptionTopic{
     "robot_description", wire_contract::Reliability::reliable, wire_contract::Durability::transient_local, 1, 0, false};
-/// Of PoseStamped; the topic's name is the user's.
+/// For PoseStamped; the user chooses the topic's name.
 inline constexpr wire_contract::TopicQos kPoseStampedTopic{
     "pose", wire_contract::Reliability::best_effort, wire_contract::Durability::volatile_data, 100, 0, false};
 inline constexpr wire_contract::TopicQos kContactMarkersTopic{
     "collided/contacts", wire_contract::Reliability::reliable, wire_contract::Durability::volatile_data, 10, 0, false};
 
-/// Of sensors, which mostly publish at best effort. A cloud is replaced by the next one.
+/// For sensors, which mostly publish with best effort. The next cloud replaces a cloud.
 inline constexpr wire_contract::TopicQos kPointCloudTopic{
     "points", wire_contract::Reliability::best_effort, wire_contract::Durability::volatile_data, 5, 0, false};
 inline constexpr wire_contract::TopicQos kOctomapTopic{

@@ -13,15 +13,15 @@
 
 #include "idl/scene_generated.h"
 
-// What server and client share in reading and writing tables of idl/scene.fbs and of the schemas that include it.
+// Functions of server and client for reading and writing tables of idl/scene.fbs and of the schemas that include it.
 namespace collided::format {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie in memory");
 
-/// FlatBuffers cannot address more: its offsets have 31 bits.
+/// The most that FlatBuffers can address: its offsets have 31 bits.
 inline constexpr std::uint64_t kMaxBufferBytes = (std::uint64_t{1} << 31) - 1;
 
-/// Bytes at an address aligned for doubles: the given ones if they are, else a copy.
+/// Bytes aligned for doubles: the given ones if they are aligned, else a copy.
 class AlignedBytes {
  public:
   explicit AlignedBytes(std::span<const std::byte> bytes) : data_(reinterpret_cast<const std::uint8_t*>(bytes.data())) {
@@ -38,20 +38,22 @@ class AlignedBytes {
   const std::uint8_t* data_;
 };
 
-/// The root table of a buffer from anyone if its structure is valid, else null. The numbers may have any value.
+/// The root table of an untrusted buffer if its structure is valid, else null. Numbers may have any value.
 ///
-/// identifier  four letters that the buffer must have; null: none
+/// identifier  four letters required in the buffer; null: none
 template <class Table>
 const Table* verified(const std::uint8_t* data, std::size_t byte_count, const char* identifier) {
-  constexpr std::uint32_t kMostDepth = 5;  // a proper buffer has scene, object, shape, mesh
+  constexpr std::uint32_t kMostDepth = 5;  // a valid buffer has scene, object, shape, mesh
   if (byte_count > kMaxBufferBytes) return nullptr;
-  // A table takes at least 8 bytes, so more tables than that must share bytes, and verifying them could take for ever.
+  // A table takes at least 8 bytes, so a larger number of tables must share bytes, and verifying them could take
+  // forever.
   flatbuffers::Verifier verifier(data, byte_count, kMostDepth, static_cast<std::uint32_t>(byte_count / 8 + 1));
   return verifier.VerifyBuffer<Table>(identifier) ? flatbuffers::GetRoot<Table>(data) : nullptr;
 }
 
-/// The elements of a vector as values of one or more elements each, such as points of three numbers. They are copied, since
-/// the verifier does not guarantee that 8-byte numbers are aligned. Elements that do not fill a value are left out.
+/// The elements of a vector as values of one or more elements each, such as points of three numbers. They are copied,
+/// since the verifier does not guarantee that 8-byte numbers are aligned. Elements that do not fill a value are
+/// dropped.
 template <class Value, class Element>
 std::vector<Value> copied(const flatbuffers::Vector<Element>* from) {
   static_assert(sizeof(Value) % sizeof(std::remove_pointer_t<Element>) == 0);
@@ -61,7 +63,7 @@ std::vector<Value> copied(const flatbuffers::Vector<Element>* from) {
   return values;
 }
 
-/// A vector of the numbers that values consist of.
+/// Packs the numbers of values into a vector.
 template <class Number, class Value>
 flatbuffers::Offset<flatbuffers::Vector<Number>> write_numbers(flatbuffers::FlatBufferBuilder& builder,
                                                                const std::vector<Value>& values) {

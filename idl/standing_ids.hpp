@@ -6,7 +6,7 @@
 
 namespace collided::wire_contract {
 
-/// Whether an id is that of a standing question, and not of an object.
+/// True if the id is that of a standing question, not of an object.
 inline bool is_standing_id(std::uint64_t id) { return (id & codes::kStandingBit) != 0; }
 
 }  // namespace collided::wire_contract

@@ -9,8 +9,9 @@ namespace {
 bool starts_a_name(char c) { return (c >= 'A' && c <= 'Z') || (c >= 'a' && c <= 'z') || c == '_' || c == '/'; }
 bool continues_a_name(char c) { return starts_a_name(c) || (c >= '0' && c <= '9'); }
 
-// A bijection in which every output bit depends on every input bit, so that sums of its values tell single pairs apart.
-// Source: Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", 2014 (variant 13 of the finaliser).
+// A bijection in which every output bit depends on every input bit, so that sums of its values distinguish single
+// pairs. Source: Steele, Lea, Flood, "Fast Splittable Pseudorandom Number Generators", 2014 (variant 13 of the
+// finaliser).
 std::uint64_t mix(std::uint64_t x) {
   x += 0x9e3779b97f4a7c15;
   x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9;

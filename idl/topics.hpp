@@ -11,8 +11,8 @@
 #include "collided/codes.hpp"
 #include "idl/question_rules.hpp"
 
-/// Names, codes, limits and times that both sides of the wire share, and the table of topics with their QoS, which
-/// dds.hpp turns into entities.
+/// Names, codes, limits and times shared by server and client, and the table of topics with their QoS, from which
+/// dds.hpp makes entities.
 namespace collided::wire_contract {
 
 using codes::Doubt;
@@ -49,20 +49,20 @@ using codes::ServerState;
 using codes::UndecidedReason;
 using codes::Verdict;
 
-/// The last DDS domain. RTPS ports are 7400 + 250 * domain + ...: those of a later domain do not fit into 16 bits.
+/// The last DDS domain. RTPS ports are 7400 + 250 * domain + ...; those of a higher domain do not fit into 16 bits.
 inline constexpr int kLastDomain = 230;
 
-/// Numbers of a velocity and a hit.
+/// Number of numbers in a velocity and in a hit.
 inline constexpr std::uint32_t kVelocityNumbers = 6;
 inline constexpr std::uint32_t kHitNumbers = 13;
 
-/// Limits that validation checks: beyond them a sample is refused with a message that names the number, never cut
-/// silently.
+/// Limits checked by validation. A sample beyond them is refused with a message that names the number, and never
+/// truncated silently.
 inline constexpr std::uint32_t kMaxQuestionsPerChunk = 1'000;
 inline constexpr std::uint32_t kMaxPosesPerChunk = 1'000;  // of what-if configurations
 inline constexpr std::uint32_t kMaxQuestionsPerRequest = 100'000;
 inline constexpr std::uint32_t kChunksInFlight = 4;       // of one request, sent but not answered
-inline constexpr std::uint32_t kMaxHitsPerChunk = 8'192;  // 96 B a hit and more: a reply stays under 1 MiB
+inline constexpr std::uint32_t kMaxHitsPerChunk = 8'192;  // 96 B or more per hit: a reply stays under 1 MiB
 inline constexpr std::uint32_t kMaxPosesPerBatch = 4'096;
 inline constexpr std::uint32_t kMaxEventsPerFrame = 1'024;
 inline constexpr std::uint32_t kMaxProbesPerFrame = 1'024;
@@ -71,11 +71,11 @@ inline constexpr std::uint32_t kMaxTextBytesPerChunk = 256 * 1024;
 inline constexpr std::uint32_t kMaxNameBytes = 255;
 inline constexpr std::uint32_t kMaxMessageBytes = 1 << 20;
 inline constexpr std::uint32_t kContactShards = 64;
-inline constexpr std::uint8_t kStandingSum = 64;  // the shard of standing_state_v3 with the sum of the others
+inline constexpr std::uint8_t kStandingSum = 64;  // the shard of standing_state_v3 that has the sum of the others
 inline constexpr int kMaxParticipantIndex = 120;
 
 enum class Reliability : std::uint8_t { best_effort, reliable };
-/// transient_local: a reader that joins late still receives what the writer keeps.
+/// transient_local: a late joiner receives the samples that the writer keeps.
 enum class Durability : std::uint8_t { volatile_data, transient_local };
 
 /// One row of the topic table.
@@ -84,40 +84,41 @@ struct TopicQos {
   Reliability reliability;
   Durability durability;
   int keep_last;           // 0: keep all, bounded by reader_max_samples
-  int reader_max_samples;  // 0: no limit; else admission: a full reader takes no more until it is drained
-  bool autodispose;        // false: to a reader, a crashed writer's instances are unknown, not gone
+  int reader_max_samples;  // 0: no limit; else a full reader accepts no more until it is drained
+  bool autodispose;        // false: for a reader, a crashed writer's instances are unknown, not disposed
 };
 
 inline constexpr TopicQos kObjectTopic{"object_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
 inline constexpr TopicQos kPoseTopic{"pose_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
-/// A sample has up to 80 kB, so 1,024 that nobody has taken yet are at most 80 MB; the writers of more are held back.
+/// A sample has up to 80 kB, so 1,024 waiting samples are at most 80 MB; writers of more are blocked.
 inline constexpr TopicQos kQueryTopic{"query_v2", Reliability::reliable, Durability::volatile_data, 0, 1'024, false};
 inline constexpr TopicQos kReplyTopic{"reply_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kEventTopic{"event_v2", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
-/// Contacts that go on, for subscribers that draw them: EventFrames of `persisted` only, first_sequence 0; written
-/// while it has readers.
+/// Persisting contacts, for subscribers that draw them: EventFrames of `persisted` only, first_sequence 0; written
+/// while the topic has readers.
 inline constexpr TopicQos kPersistedTopic{"persisted_v2", Reliability::best_effort, Durability::volatile_data, 64, 0,
                                           false};
 inline constexpr TopicQos kProbeTopic{"probe_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kContactTopic{"contact_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
-/// How far each publisher's samples are in each state: a Status with only version, time and the columns of publishers,
-/// after every step while it has readers. A recording needs it to tell which poses an answer was about.
+/// The newest sample of each publisher that each state includes: a Status with only version, time and the columns of
+/// publishers, written after every step while the topic has readers. A recording needs it to determine which poses an
+/// answer was about.
 inline constexpr TopicQos kStepTopic{"step_v2", Reliability::reliable, Durability::volatile_data, 1'024, 0, false};
 inline constexpr TopicQos kStatusTopic{"status_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
-/// Which servers there are. A crashed one's instance is not disposed: who reads learns that it has no writer.
+/// The servers. A crashed server's instance is not disposed; readers see that it has no writer.
 inline constexpr TopicQos kMemberTopic{"member_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
-/// What commands do, to servers that follow. Few follow, and each drains its reader at once.
+/// The effects of commands, for followers. There are few followers, and each drains its reader at once.
 inline constexpr TopicQos kChangeTopic{"change_v2", Reliability::reliable, Durability::volatile_data, 0, 0, false};
-/// Events of standing questions, and what holds.
+/// Events of standing questions, and their state.
 inline constexpr TopicQos kStandingEventTopic{
     "standing_event_v3", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
 inline constexpr TopicQos kStandingStateTopic{
     "standing_state_v3", Reliability::reliable, Durability::transient_local, 1, 0, false};
 
-/// What a client may send on the topic of queries, where keys are used: each is a partition there, so that each is a
-/// right of its own. Without keys all goes by the default partition.
-/// greet: hello. ask: questions, and commands that look. change: commands that change the world, and what others have sent: the flight
-/// recorder's and samples of questions. upload: files.
+/// Rights to send on the topic of queries. With keys each right is a separate partition of that topic; without keys all
+/// queries use the default partition. greet: hello. ask: questions, and commands that read. change: commands that
+/// change the world, and those that return data of other clients (the flight recorder and samples of questions).
+/// upload: files.
 enum class QueryRight : std::uint8_t { greet, ask, change, upload };
 inline constexpr std::array kQueryRights{QueryRight::greet, QueryRight::ask, QueryRight::change, QueryRight::upload};
 inline const char* name_of(QueryRight right) {
@@ -125,63 +126,62 @@ inline const char* name_of(QueryRight right) {
   return kNames[static_cast<std::uint8_t>(right)];
 }
 
-/// A publisher that is silent for this long, where it offers no other lease, is lost (liveliness, MANUAL_BY_TOPIC on object
-/// and pose).
+/// Default lease: a publisher that is silent for this long is lost (liveliness, MANUAL_BY_TOPIC on object and pose).
 inline constexpr std::int64_t kPublisherLeaseNs = 500'000'000;
-/// The gaps that are allowed (kDefaultGapNs: unless set). No pair waits for a publisher that is 10 s behind.
+/// Limits of PublishOptions::gap; its default is kDefaultGapNs. No pair waits for a publisher that is 10 s behind.
 inline constexpr std::int64_t kLeastGapNs = 1'000'000;
 inline constexpr std::int64_t kMostGapNs = 8'000'000'000;
-/// From one status to the next.
+/// Interval between statuses.
 inline constexpr std::int64_t kStatusPeriodNs = 50'000'000;
-/// A world whose step lasts longer than this stands still for a standby: the server hangs.
+/// If a step lasts longer than this, a standby considers the server to hang.
 inline constexpr std::int64_t kWorldHangsNs = 10'000'000'000;
-/// From one message of a member about itself to the next.
+/// Interval between a member's records about itself.
 inline constexpr std::int64_t kMemberPeriodNs = 500'000'000;
-/// Without a status for this long, the client library reports "disconnected". Nearly five periods, so that an
-/// overloaded machine seldom looks like a dead server, and a dead server is noticed within a quarter of a second.
+/// Without a status for this long, the client library reports "disconnected". Nearly five periods: an overloaded
+/// machine seldom looks like a dead server, and a dead server is detected within a quarter of a second.
 inline constexpr std::int64_t kStatusLostNs = 240'000'000;
-/// Without a status for this long, a standby that is ready takes the primary's place.
+/// Without a status for this long, a standby that is ready takes over.
 inline constexpr std::int64_t kTakeOverNs = 200'000'000;
-/// Without a status for this long, another server that speaks with a greater epoch is taken for the heir: less than the
-/// shortest time after which a standby takes over, since what it says first is said once.
+/// Without a status for this long, a server with a greater epoch is accepted as the heir. It is less than the shortest
+/// time until a standby takes over, since the heir publishes its first messages only once.
 inline constexpr std::int64_t kMayHaveHeirNs = 150'000'000;
-/// Without a status for this long, what was sent may be missing: this is half of the lease after which DDS gives up
-/// another participant's readers and what it kept for them.
+/// Without a status for this long, sent messages may be lost: it is half of the lease after which DDS drops another
+/// participant's readers and the samples kept for them.
 inline constexpr std::int64_t kForgottenNs = 5'000'000'000;
 
-/// All replies travel in so many partitions. Each has a writer in the server that stays: DDS loses some 400 bytes with
-/// every writer that is made and deleted, and clients come by the thousand.
+/// Number of partitions for replies. Each has a permanent writer in the server: DDS leaks some 400 bytes with every
+/// writer that is made and deleted, and clients come by the thousand.
 inline constexpr std::uint32_t kReplyPartitions = 256;
-/// Number of the partition of a client's replies.
+/// Index of the partition of a client's replies.
 inline constexpr std::uint32_t reply_place(std::uint64_t client) {
   return static_cast<std::uint32_t>(client % kReplyPartitions);
 }
-/// The partition of a client's replies: "client_" and the last two hex digits of its number. It has the replies of
-/// other clients with the same digits too; each reply says whose it is.
+/// The partition of a client's replies: "client_" and the last two hex digits of its number. It also carries the
+/// replies to other clients with the same digits; each reply names its client.
 std::string reply_partition(std::uint64_t client);
 
 /// The name of a topic: "<name_space>/<suffix>". Throws std::invalid_argument unless name_space is
 /// [A-Za-z_/][A-Za-z0-9_/]*, which is all that DDS accepts in a topic's name.
 std::string topic_name(std::string_view name_space, const TopicQos& topic);
 
-/// The namespace in which the replica of that name answers: "<name_space>/replica_<member>", with '_' for whatever a topic's
-/// name cannot have.
+/// The namespace in which the replica of that name answers: "<name_space>/replica_<member>", with '_' for characters
+/// that a topic's name cannot have.
 std::string replica_namespace(std::string_view name_space, std::string_view member);
 
-/// Names as they travel beside their ids: zero-terminated, one after the other.
+/// Packs names as they travel with their ids: zero-terminated, one after the other.
 std::vector<std::uint8_t> pack_names(std::span<const std::string> names);
 
-/// The names in `packed`, as views into it. A last name without its zero is left out, so a cut message yields whole
-/// names only.
+/// The names in `packed`, as views into it. A last name without its zero is left out, so that a truncated message
+/// yields whole names only.
 std::vector<std::string_view> unpack_names(std::span<const std::uint8_t> packed);
 
 /// The shard of the contact topic that holds a pair, a < b.
 std::uint8_t contact_shard(std::uint64_t a, std::uint64_t b);
 
-/// One number for the sums of a Member's digest, for people and for comparing.
+/// One number for the sums of a Member's digest, for display and comparison.
 std::uint64_t digest_hash(std::span<const std::uint64_t> sums);
 
-/// Hash of a contact that holds. The sum of it over all contacts does not depend on their order.
+/// Hash of an open contact. The sum over all contacts does not depend on their order.
 std::uint64_t contact_hash(std::uint64_t a, std::uint64_t b, std::uint64_t episode);
 
 }  // namespace collided::wire_contract

@@ -4,15 +4,15 @@
 
 namespace collided::wire_contract {
 
-/// How far the norm of a rotation's quaternion may be from 1: one of floats, multiplied a few times, passes; a scaled
-/// one does not.
+/// Allowed deviation from 1 of a rotation quaternion's norm: a quaternion of floats that was multiplied a few times
+/// passes; a scaled one does not.
 inline constexpr double kUnitQuaternionSlack = 1e-6;
 
 inline double quaternion_norm(double w, double x, double y, double z) {
   return std::sqrt(w * w + x * x + y * y + z * z);
 }
 
-/// Whether the four numbers are a rotation, as every door of server and client asks; false for NaN and infinity.
+/// True if the four numbers are a rotation, as checked at every entry of server and client; false for NaN and infinity.
 inline bool is_unit_quaternion(double w, double x, double y, double z) {
   return std::abs(quaternion_norm(w, x, y, z) - 1) <= kUnitQuaternionSlack;
 }

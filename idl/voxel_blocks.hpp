@@ -7,27 +7,29 @@
 #include <span>
 #include <vector>
 
-/// Occupied cells of a grid, as table Voxels of scene.fbs has them, as few blocks. Server and client make the same ones.
+/// Merges the occupied cells of a grid (table Voxels of scene.fbs) into few blocks. Server and client get the same
+/// blocks.
 namespace collided::wire_contract {
 
-/// A block of cells: its lowest, and how many along each axis.
+/// A block of cells: its lowest cell, and its number of cells along each axis.
 struct CellBlock {
   std::array<std::uint32_t, 3> low;
   std::array<std::uint32_t, 3> size;
 };
 
-/// Grows blocks of cells that no other block has: along x, then y, then z.
+/// Grows disjoint blocks of cells: along x, then y, then z.
 class BlockGrowth {
  public:
   /// size      cells along each axis
-  /// occupied  bit i + size[0] * (j + size[1] * k), low bits of a byte first; as many bytes as that takes, and no bits after
+  /// occupied  bit i + size[0] * (j + size[1] * k), low bits of a byte first; the minimum number of bytes, with zeros
+  ///           after the last bit
   BlockGrowth(const std::array<std::uint32_t, 3>& size, std::span<const std::uint8_t> occupied)
       : size_(size), left_(occupied.begin(), occupied.end()) {}
 
   /// Calls take(block) for each block. Call it once.
   template <class Take>
   void run(Take&& take) {
-    // A block that begins at a cell takes only cells that come later.
+    // A block that begins at a cell contains only later cells.
     for (std::size_t byte = 0; byte < left_.size(); ++byte) {
       while (left_[byte] != 0) {
         const auto at = static_cast<std::uint32_t>(8 * byte + static_cast<std::size_t>(std::countr_zero(left_[byte])));

@@ -4,7 +4,7 @@
 
 #include "idl/described.hpp"
 
-/// The answers of commands that change the world or say what is in it, and the arguments of `load`, as JSON.
+/// The answers of commands that change or list the world, and the arguments of `load`, as JSON.
 namespace collided {
 
 constexpr auto fields_of(const Added*) {
@@ -25,7 +25,7 @@ constexpr auto fields_of(const Cleared*) {
   return listed(fields<&T::removed, &T::kept>(), field("ended", &T::contacts_ended), fields<&T::version>(),
                 unless_default<&T::not_kept>());
 }
-/// The contacts are `ended` or `began`, by the command.
+/// The contacts are named `ended` or `began`, depending on the command.
 constexpr auto fields_of(const RuleChanged*) {
   using T = RuleChanged;
   return listed(fields<&T::rules, &T::a_count, &T::b_count, &T::version>(), unless_default<&T::not_kept>());
@@ -41,9 +41,9 @@ constexpr auto fields_of(const Attached*) {
 template <>
 inline constexpr bool kIsRow<CoveredBox> = true;
 constexpr auto fields_of(const CoveredBox*) { return fields<&CoveredBox::low, &CoveredBox::high>(); }
-/// Of a bool: the word that it has where it is true.
+/// The word of a bool that is true.
 inline constexpr const char* kSolidByWords[] = {"winding"};
-/// What not every server may know is written only where it is meant.
+/// Options that older servers may not know are written only if set.
 constexpr auto fields_of(const LoadOptions*) {
   using T = LoadOptions;
   return listed(fields<&T::name>(), field("unit_m", &T::unit_m), fields<&T::up>(), field("radius_m", &T::radius_m),
@@ -68,7 +68,7 @@ constexpr auto fields_of(const ListedObject*) {
 constexpr auto fields_of(const ObjectList*) {
   return fields<&ObjectList::objects, &ObjectList::count, &ObjectList::version>();
 }
-/// `get` has its bounds too, [low, high] with null for a side without end, or null where it has no triangle.
+/// `get` also has bounds: [low, high] with null for an infinite side, or null if there is no triangle.
 constexpr auto fields_of(const ObjectDetails*) {
   using T = ObjectDetails;
   return listed(fields_of(static_cast<const ListedObject*>(nullptr)),

@@ -7,7 +7,7 @@
 #include "idl/answers/standing.hpp"
 #include "idl/described.hpp"
 
-/// The names that explanations have as JSON, in the order of `collide explain --json`. Words are listed by their codes.
+/// Explanations as JSON, in the order of `collide explain --json`. Words are indexed by their codes.
 namespace collided {
 
 inline constexpr const char* kSideWords[] = {"outside", "inside", "undecided"};
@@ -47,7 +47,7 @@ constexpr auto fields_of(const ExplainedRay*) {
                 field("time_ns", &T::world_time), fields<&T::version>());
 }
 
-// ---- two objects: what is told beside the answer of `pair` ---------------------------------------------------------
+// ---- two objects: additions to the answer of `pair` ----------------------------------------------------------------
 
 constexpr auto fields_of(const ExplainedApproach*) {
   using T = ExplainedApproach;

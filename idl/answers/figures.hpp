@@ -7,10 +7,10 @@
 #include "idl/answers/commands.hpp"
 #include "idl/described.hpp"
 
-/// What a server has done: the answers of the commands `figures` and `steps`.
+/// Statistics of a server: the answers of the commands `figures` and `steps`.
 namespace collided {
 
-/// How many durations were longer than the row before allows and at most longest_ns.
+/// Number of durations above the previous row's longest_ns and at most this one's.
 struct DurationStep {
   std::int64_t longest_ns = 0;
   std::uint64_t count = 0;
@@ -30,7 +30,7 @@ constexpr auto fields_of(const StageTime*) { return fields<&StageTime::stage, &S
 struct AskedKind {
   std::string kind;
   std::uint64_t answered = 0;
-  std::vector<DurationStep> durations{};  // of messages, each with many questions
+  std::vector<DurationStep> durations{};  // per message of many questions
 };
 constexpr auto fields_of(const AskedKind*) {
   return fields<&AskedKind::kind, &AskedKind::answered, &AskedKind::durations>();
@@ -38,13 +38,13 @@ constexpr auto fields_of(const AskedKind*) {
 
 struct PublisherClock {
   std::string publisher;
-  std::int64_t behind_ns = 0;  // how far it is behind the server's
+  std::int64_t behind_ns = 0;  // how far it lags behind the server's
 };
 constexpr auto fields_of(const PublisherClock*) {
   return fields<&PublisherClock::publisher, &PublisherClock::behind_ns>();
 }
 
-/// How much of a scene whose file is in tiles the server holds.
+/// The part of a tiled scene file that the server holds.
 struct HeldTiles {
   std::string scene;
   std::uint64_t read = 0;       // tiles
@@ -57,13 +57,13 @@ constexpr auto fields_of(const HeldTiles*) {
   return fields<&T::scene, &T::read, &T::of, &T::triangles, &T::triangles_of_file>();
 }
 
-// Counts since the server's start. The server counts in numbers that any thread may read.
+// Counts since the server's start. In the server, Count is a type that any thread may read.
 
 template <class Count = std::uint64_t>
 struct PairCounts {
-  Count moved{};       // objects, each counted once a step
+  Count moved{};       // objects, each counted once per step
   Count candidates{};  // pairs of movers
-  Count filtered{};    // pairs of movers near each other that their layers, masks or groups keep from meeting
+  Count filtered{};    // pairs of nearby movers excluded by their layers, masks or groups
   Count exact_tests{};
   Count undecided{};
   Count in_doubt{};  // pairs after the newest step
@@ -77,14 +77,14 @@ constexpr auto fields_of(const PairCounts<Count>*) {
                 &T::kept_apart>();
 }
 
-/// Of fences, of the bands of margins, and of questions for the nearest.
+/// Counts of fences, bands of margins, and questions for the nearest.
 template <class Count = std::uint64_t>
 struct FenceCounts {
   Count count{};    // after the newest step, as are the next two
-  Count entered{};  // those with an object inside
-  Count inside{};   // objects, each counted once for every fence that it is in
+  Count entered{};  // fences with an object inside
+  Count inside{};   // objects, counted once for each fence that they are in
   Count events{};
-  Count cut_short{};  // searches that ended at their limit
+  Count cut_short{};  // searches cut short at the evaluation limit
 };
 template <class Count>
 constexpr auto fields_of(const FenceCounts<Count>*) {
@@ -92,7 +92,7 @@ constexpr auto fields_of(const FenceCounts<Count>*) {
   return fields<&T::count, &T::entered, &T::inside, &T::events, &T::cut_short>();
 }
 
-/// Poses that were applied, and those that were received and moved nothing.
+/// Poses that were applied, and those that were received without effect.
 template <class Count = std::uint64_t>
 struct PoseCounts {
   Count applied{};
@@ -110,7 +110,7 @@ constexpr auto fields_of(const PoseCounts<Count>*) {
   return fields<&T::applied, &T::late, &T::unknown, &T::refused, &T::superseded, &T::dropped>();
 }
 
-/// Batches whose time stamp was not taken as it is.
+/// Batches whose time stamps were corrected.
 template <class Count = std::uint64_t>
 struct StampCounts {
   Count late{};  // before that of an earlier batch of the publisher
@@ -128,9 +128,9 @@ struct Figures {
   std::int64_t up_ns = 0;
   bool keeps_nothing = false;  // the server has no folder for its journal
   std::uint64_t version = 0;
-  std::int64_t step_period_ns = 0;  // 0: a step whenever poses come
+  std::int64_t step_period_ns = 0;  // 0: a step whenever poses arrive
   std::uint64_t steps = 0;
-  std::uint64_t stalled_steps = 0;  // times that a step was tried again, since readers held every free state
+  std::uint64_t stalled_steps = 0;  // retries of steps because readers held every free state
   std::vector<DurationStep> step_durations{};
   std::vector<StageTime> stages{};
   PairCounts<> pairs{};
@@ -141,7 +141,7 @@ struct Figures {
   std::vector<AskedKind> questions{};
   std::uint64_t refused = 0;          // requests
   std::uint64_t undecided = 0;        // answers
-  std::uint64_t filters_dropped = 0;  // name patterns that were worked out and gave their memory to others
+  std::uint64_t filters_dropped = 0;  // evaluated name patterns evicted from the cache
   std::vector<std::string> not_built{};
   std::vector<HeldTiles> tiles{};
   std::vector<Wing> wings{};
@@ -153,17 +153,17 @@ constexpr auto fields_of(const Figures*) {
                 &T::refused, &T::undecided, &T::filters_dropped, &T::not_built, &T::tiles, &T::wings>();
 }
 
-/// One step of the world. Each stage has clock readings of its own; whole_ns is measured apart.
+/// One step of the world. Each stage is timed by its own clock readings; whole_ns is measured separately.
 struct StepTrace {
   std::uint64_t version = 0;
   std::int64_t world_time_ns = 0;
-  std::int64_t take_ns = 0;  // samples and jobs since the step before
+  std::int64_t take_ns = 0;  // samples and jobs since the previous step
   std::int64_t update_ns = 0;
   std::int64_t index_ns = 0;
   std::int64_t test_ns = 0;
   std::int64_t events_ns = 0;
   std::int64_t publish_ns = 0;
-  std::int64_t whole_ns = 0;  // from the first sample that it waited for to its last write, waiting left out
+  std::int64_t whole_ns = 0;  // from the first sample that it waited for to its last write, without waiting
   std::uint32_t moved = 0;
   std::uint32_t candidates = 0;  // pairs
   std::uint32_t exact_tests = 0;
@@ -177,7 +177,7 @@ constexpr auto fields_of(const StepTrace*) {
                 &T::publish_ns, &T::whole_ns, &T::moved, &T::candidates, &T::exact_tests, &T::contacts, &T::events>();
 }
 
-/// The answer of `steps`: the newest, the oldest of them first.
+/// The answer of `steps`: the newest steps, oldest first.
 struct NewestSteps {
   std::vector<StepTrace> steps;
 };

@@ -10,7 +10,7 @@
 /// The answers of the commands `menu` and `audit`.
 namespace collided {
 
-/// How often another library's answer compared so (OpinionVerdict).
+/// Counts of another library's answers by comparison with ours (OpinionVerdict).
 struct OpinionCounts {
   std::uint64_t agree = 0;
   std::uint64_t differ = 0;
@@ -24,19 +24,19 @@ constexpr auto fields_of(const OpinionCounts*) {
   return fields<&T::agree, &T::differ, &T::failed, &T::unsupported>();
 }
 
-/// What one way of answering one kind of question costs in a world, and how far off it is.
+/// The cost and error, in a world, of one method for one kind of question.
 struct MenuRow {
   std::string asked_of;  // ray, sphere, box, near, sweep, pair, mesh pair
   std::string method;
-  double worst_error_m = 0;  // observed: distances against the rationals, depths against the sharpest
-  double worst_bound_m = 0;  // the largest that came with a number; infinite where none comes
+  double worst_error_m = 0;  // observed: distances compared with rationals, depths with the sharpest method
+  double worst_bound_m = 0;  // the largest bound of an answer; infinite if there are no bounds
   std::int64_t p50_ns = 0;
   std::int64_t p99_ns = 0;
   std::uint32_t asked = 0;
   std::uint32_t undecided = 0;
-  std::uint32_t wrong = 0;     // of the judged: what the rationals contradict
-  std::uint32_t judged = 0;    // of the asked, compared with the rationals; the others were only timed
-  OpinionCounts opinion = {};  // FCL's, where it was asked: of pairs, beside our exact answers
+  std::uint32_t wrong = 0;     // judged answers that rationals contradict
+  std::uint32_t judged = 0;    // answers compared with rationals; the others were only timed
+  OpinionCounts opinion = {};  // FCL's, if requested: for pairs, compared with our exact answers
 };
 /// In the order of `collide menu --json`.
 constexpr auto fields_of(const MenuRow*) {
@@ -50,13 +50,13 @@ struct Menu {
   std::vector<MenuRow> rows;
   std::uint64_t seed = 0;
   std::uint64_t version = 0;
-  bool late = false;  // the deadline ended it before its last question
+  bool late = false;  // the deadline passed before its last question
 };
 constexpr auto fields_of(const Menu*) {
   return listed(fields<&Menu::rows, &Menu::seed, &Menu::version>(), unless_default<&Menu::late>());
 }
 
-/// Answers of one kind, by the highest level of arithmetic that they needed.
+/// Answers of one kind, by the highest level of arithmetic used.
 struct AuditedKind {
   std::string kind;
   std::uint64_t in_double = 0;
@@ -68,15 +68,15 @@ constexpr auto fields_of(const AuditedKind*) {
   return listed(fields<&T::kind>(), field("double", &T::in_double), fields<&T::expansion, &T::rational>());
 }
 struct Audit {
-  std::uint64_t every = 0;  // one answer in so many is worked out again; 0: none
+  std::uint64_t every = 0;  // one answer in this many is recomputed; 0: none
   std::uint64_t chosen = 0;
   std::uint64_t audited = 0;
   std::uint64_t differing = 0;
   std::uint64_t skipped = 0;
-  std::uint64_t float_repairs = 0;  // times that a thread's floating-point settings had to be restored
+  std::uint64_t float_repairs = 0;  // restorations of a thread's floating-point settings
   std::vector<AuditedKind> questions;
   std::vector<std::string> differences;  // the first ones
-  std::optional<OpinionCounts> opinion;  // where the server was started to ask FCL
+  std::optional<OpinionCounts> opinion;  // if the server was started with FCL
 };
 /// In the order of `collide audit --json`.
 constexpr auto fields_of(const Audit*) {

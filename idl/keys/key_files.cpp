@@ -1,4 +1,4 @@
-// The part that needs no OpenSSL: the module and its users both have it.
+// The part without OpenSSL, linked into the module and its users.
 #include <cerrno>
 #include <cstring>
 #include <ctime>

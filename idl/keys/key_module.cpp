@@ -1,4 +1,4 @@
-// The module collided-keys.so, which links OpenSSL for all that read folders of keys.
+// The module collided-keys.so, which links OpenSSL for all programs that read folders of keys.
 #include "idl/keys/key_module.hpp"
 
 #include <openssl/bn.h>
@@ -16,7 +16,7 @@
 
 namespace collided::keys::by_openssl {
 
-// Each of them uses the others.
+// Forward declarations: these functions use each other.
 std::string signed_text(const std::string& document, const std::string& authority_pem);
 
 namespace {
@@ -50,14 +50,14 @@ Certificate read_certificate(const std::string& path) {
   return certificate;
 }
 
-/// The private key opens every door: nobody but its owner may read it.
+/// The private key grants all rights, so only its owner may read it.
 void refuse_open_key(const std::string& path) {
   struct stat about {};
   if (::stat(path.c_str(), &about) == 0 && (about.st_mode & 077) != 0)
     throw KeyError(path + ": others may read it; chmod 600 " + path);
 }
 
-/// Whether the authority signed the certificate, and it is good today.
+/// Checks that the authority signed the certificate, and that it is valid today.
 void check_certificate(X509& certificate, X509& authority, const std::string& path, const std::string& name) {
   const Store store(X509_STORE_new());
   X509_STORE_add_cert(store.get(), &authority);
@@ -89,7 +89,7 @@ std::string between(const std::string& text, const std::string& begin, const std
   return text.substr(first + begin.size(), last - first - begin.size());
 }
 
-/// Until when the permissions are good; throws where they are another's or out of date.
+/// Returns the end of validity of the permissions; throws if they belong to another holder or have expired.
 std::int64_t check_permissions(const std::string& folder, const std::string& name) {
   const std::string text = signed_file(folder, kPermissions);
   const std::string path = folder + '/' + kPermissions;
@@ -147,7 +147,7 @@ CertificateFacts facts_of(const std::string& certificate_pem, const std::string&
   X509_NAME_get0_der(subject, &der, &der_bytes);
   std::array<std::uint8_t, SHA256_DIGEST_LENGTH> digest{};
   SHA256(der, der_bytes, digest.data());
-  // A bit that is set, then the first 47 bits of the subject's digest (DDS Security 1.1, 9.3.3).
+  // A set bit, then the first 47 bits of the subject's digest (DDS Security 1.1, 9.3.3).
   std::uint8_t carried = 0x80;
   for (std::size_t i = 0; i < facts.guid_beginning.size(); ++i) {
     facts.guid_beginning[i] = static_cast<std::uint8_t>(carried | (digest[i] >> 1));

@@ -7,7 +7,8 @@
 
 namespace collided::keys {
 
-/// What the module collided-keys.so offers, by the function kKeyModule: the functions of key_folder.hpp that need OpenSSL.
+/// The functions of key_folder.hpp that need OpenSSL, provided by the module collided-keys.so through its function
+/// kKeyModule.
 struct KeyModule {
   KeyHolder (*check_keys)(const std::string& folder);
   std::string (*signed_text)(const std::string& document, const std::string& authority_pem);

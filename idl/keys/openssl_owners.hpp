@@ -8,7 +8,7 @@
 #include <memory>
 #include <string>
 
-/// Owners of what OpenSSL's C interface makes.
+/// Owners of objects made by OpenSSL's C interface.
 namespace collided::keys {
 
 template <auto kFree>
@@ -26,13 +26,13 @@ using SignedDocument = std::unique_ptr<PKCS7, FreeBy<PKCS7_free>>;
 
 /// Reads from the text, which must outlive it.
 Bio bio_of(const std::string& text);
-/// Memory that OpenSSL writes to.
+/// Memory for OpenSSL to write to.
 Bio empty_bio();
 std::string text_of(BIO& bio);
 
-/// Null where the text is none.
+/// Null if the text is not a certificate.
 Certificate certificate_of(const std::string& pem);
-/// Null where the text is none, or wants a password: nobody is asked for one.
+/// Null if the text is not a private key, or needs a password; it never prompts for one.
 PrivateKey private_key_of(const std::string& pem);
 
 }  // namespace collided::keys

@@ -37,7 +37,7 @@ inline constexpr std::size_t kRecordPrefixBytes = 9;    // opcode, length
 inline constexpr std::size_t kMessagePrefixBytes = 31;  // record prefix, channel, number, two times
 inline constexpr std::size_t kChunkPrefixBytes = 49;  // record prefix, two times, size, checksum, no compression, size
 
-/// What stands in a message before its data.
+/// The part of a message before its data.
 struct MessageHead {
   std::uint16_t channel = 0;
   std::uint32_t number = 0;        // among the messages of the channel
@@ -53,7 +53,7 @@ std::byte* put(std::byte* out, Number number) {
 }
 }  // namespace detail
 
-/// Writes the beginning of a message record; safe in a signal handler, as the next function is.
+/// Writes the beginning of a message record. Safe in a signal handler, like the next function.
 ///
 /// out  kMessagePrefixBytes; the message's data follows
 inline void put_message_prefix(std::byte* out, const MessageHead& head, std::uint64_t data_bytes) {
@@ -68,7 +68,7 @@ inline void put_message_prefix(std::byte* out, const MessageHead& head, std::uin
 /// Writes the beginning of a chunk record.
 ///
 /// out  kChunkPrefixBytes; the chunk's records follow, uncompressed
-/// crc  of the records; 0: not known
+/// crc  of the records; 0: unknown
 inline void put_chunk_prefix(std::byte* out, std::uint64_t first_time, std::uint64_t last_time,
                              std::uint64_t records_bytes, std::uint32_t crc) {
   out = detail::put(out, Opcode::chunk);
@@ -81,7 +81,7 @@ inline void put_chunk_prefix(std::byte* out, std::uint64_t first_time, std::uint
   detail::put(out, records_bytes);
 }
 
-/// The bytes of records while they are put together.
+/// Assembles the bytes of records.
 class Bytes {
  public:
   template <class Number>
@@ -95,8 +95,8 @@ class Bytes {
     number(static_cast<std::uint32_t>(text.size()));
     raw(std::as_bytes(std::span(text)));
   }
-  /// Begins a record with its opcode and room for its length. end() takes what this returns and fills in the length,
-  /// `to_come` bytes that are yet to be added included.
+  /// Begins a record with its opcode and space for its length. end() takes the returned value and fills in the length,
+  /// including `to_come` bytes that are added later.
   std::size_t begin(Opcode opcode) {
     number(opcode);
     number(std::uint64_t{0});
@@ -105,7 +105,7 @@ class Bytes {
   void end(std::size_t begin, std::size_t to_come = 0) {
     patch(begin - 8, static_cast<std::uint64_t>(bytes_.size() - begin + to_come));
   }
-  /// Begins an array or a map, which stands behind its length in bytes; end_list() fills that in.
+  /// Begins an array or a map, preceded by its length in bytes, which end_list() fills in.
   std::size_t begin_list() {
     number(std::uint32_t{0});
     return bytes_.size();

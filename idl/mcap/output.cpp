@@ -24,7 +24,7 @@ bool FileOutput::append(std::span<const std::byte> bytes) {
       written += static_cast<std::size_t>(count);
     } else if (count == 0 || errno != EINTR) {
       problem_ = path_ + ": " + (count == 0 ? "takes no more" : std::strerror(errno));
-      // Devices and pipes cannot be cut: there a broken piece stays, and readers stop before it.
+      // Devices and pipes cannot be truncated: an incomplete piece stays there, and readers stop before it.
       if (::ftruncate(file_, static_cast<off_t>(size_)) == 0) ::lseek(file_, static_cast<off_t>(size_), SEEK_SET);
       return false;
     }

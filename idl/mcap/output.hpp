@@ -7,22 +7,22 @@
 
 namespace collided::mcap {
 
-/// Takes a file's bytes piece by piece: all of a piece or nothing of it.
+/// Writes a file piece by piece: each piece completely or not at all.
 class Output {
  public:
   virtual ~Output() = default;
-  /// Appends a piece. False: nothing of it was kept, and problem() says why.
+  /// Appends a piece. False: nothing of it was written, and problem() is the reason.
   [[nodiscard]] virtual bool append(std::span<const std::byte> bytes) = 0;
   /// Why a piece was refused; empty: none was.
   virtual const std::string& problem() const = 0;
 };
 
-/// A file on disk that holds only whole pieces at any time: one that did not fit is cut off again.
+/// A file on disk that always holds whole pieces only: an incomplete piece is cut off.
 ///
 /// threads  one
 class FileOutput : public Output {
  public:
-  /// Makes the file, or empties it. Throws std::runtime_error with the path and the reason.
+  /// Creates the file, or empties it. Throws std::runtime_error with the path and the reason.
   explicit FileOutput(const std::string& path);
   ~FileOutput() override;
   FileOutput(const FileOutput&) = delete;

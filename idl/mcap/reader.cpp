@@ -13,7 +13,8 @@
 namespace collided::mcap {
 namespace {
 
-/// Takes values from the front of some bytes. Once one does not fit, good() is false and every value 0 or empty.
+/// Takes values from the front of some bytes. After the first value that does not fit, good() is false and every value
+/// is 0 or empty.
 class Cursor {
  public:
   explicit Cursor(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -52,7 +53,7 @@ struct McapRecord {
   std::span<const std::byte> content;
 };
 
-/// Takes the next whole record; nothing where the bytes end before it does.
+/// Takes the next whole record; nothing if the bytes end before its end.
 std::optional<McapRecord> next_record(Cursor& bytes) {
   McapRecord record;
   record.opcode = static_cast<Opcode>(bytes.number<std::uint8_t>());
@@ -89,7 +90,7 @@ class Reading {
             "breaks off in the record at byte " + std::to_string(at) + "; what stands before it was read";
         break;
       }
-      // What follows this record repeats the channels and says where the chunks are, all of which have been read.
+      // The records after this one only repeat the channels and index the chunks, all of which have been read.
       if (record->opcode == Opcode::data_end) {
         contents_.complete = ends_well();
         break;
@@ -176,11 +177,11 @@ class Reading {
     }
   }
 
-  /// Whether the checksum fits; 0 means that the writer did not know it.
+  /// True if the checksum matches, or is 0 (unknown to the writer).
   static bool checks(std::span<const std::byte> records, std::uint32_t crc) {
     return crc == 0 || crc == crc32_z(0, reinterpret_cast<const Bytef*>(records.data()), records.size());
   }
-  /// Whether the bytes are whole records up to their end.
+  /// True if the bytes are whole records up to their end.
   static bool tiles(std::span<const std::byte> records) {
     Cursor inside(records);
     while (inside.left() > 0) {
@@ -230,7 +231,7 @@ std::vector<std::byte> read_file(const std::string& path, std::uint64_t most_byt
     const ssize_t count = ::read(file.descriptor, bytes.data() + have, bytes.size() - have);
     if (count < 0 && errno == EINTR) continue;
     if (count < 0) throw std::runtime_error(path + ": " + std::strerror(errno));
-    if (count == 0) break;  // the file has become shorter
+    if (count == 0) break;  // the file was truncated meanwhile
     have += static_cast<std::size_t>(count);
   }
   bytes.resize(have);

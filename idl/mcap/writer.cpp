@@ -70,7 +70,7 @@ std::uint16_t FileWriter::add_channel(ChannelDescription channel) {
   return number;
 }
 
-/// Between two chunks, before the one that has its first message.
+/// Placed between two chunks, before the one with the channel's first message.
 void FileWriter::describe(std::uint16_t channel) {
   is_described_[channel] = true;
   piece_.clear();
@@ -106,7 +106,7 @@ void FileWriter::write(std::uint16_t channel, std::uint64_t log_time, std::uint6
 
 void FileWriter::flush() {
   if (chunk_messages_ == 0 || failed_) return;
-  // The entry is what the summary says of the chunk; it counts only once the output has taken the chunk.
+  // The chunk's entry in the summary, valid only after the output has accepted the chunk.
   ChunkEntry entry{.first_time = chunk_first_,
                    .last_time = chunk_last_,
                    .start = written_bytes_,
@@ -167,7 +167,7 @@ void FileWriter::metadata(std::string_view name, const std::vector<std::pair<std
 
 bool FileWriter::close() {
   flush();
-  // A full disk may still have room for the end, which is smaller than the chunk that was cut off.
+  // A full disk may still have space for the end, which is smaller than the chunk that was cut off.
   piece_.clear();
   const std::size_t data_end = piece_.begin(Opcode::data_end);
   piece_.number(std::uint32_t{0});  // no checksum over all: every chunk has its own

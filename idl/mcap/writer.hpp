@@ -12,8 +12,8 @@
 
 namespace collided::mcap {
 
-/// A channel as a file describes it: its messages are of `encoding`, its schema is of `schema_encoding` (names of the
-/// MCAP registry).
+/// A channel's description in a file: `encoding` of its messages, `schema_encoding` of its schema (names of the MCAP
+/// registry).
 struct ChannelDescription {
   std::string topic;
   std::string encoding;
@@ -21,11 +21,11 @@ struct ChannelDescription {
   std::string schema_encoding;
   std::string schema;
   std::vector<std::pair<std::string, std::string>> metadata = {};
-  bool is_only_when_used = false;  // described before its first message, and in no file without one
+  bool is_only_when_used = false;  // described only before its first message
 };
 
-/// Appends the beginning of a file: magic, header, schemas and channels, numbered from 1 in their order, but for those
-/// that are only there when used.
+/// Appends the beginning of a file: magic, header, schemas and channels, numbered from 1 in order, except those
+/// with is_only_when_used.
 void put_opening(Bytes& bytes, std::string_view library, const std::vector<ChannelDescription>& channels);
 /// Appends the schemas and channels that put_opening() leaves out.
 void put_channels_in_use(Bytes& bytes, const std::vector<ChannelDescription>& channels);
@@ -33,9 +33,9 @@ void put_channels_in_use(Bytes& bytes, const std::vector<ChannelDescription>& ch
 /// Writes an MCAP file chunk by chunk, each with its checksum and index; close() adds the summary. A file that was not
 /// closed is whole up to its last chunk.
 ///
-/// limits   a chunk is written once it holds kChunkBytes, or at flush(); memory: that much, and 16 bytes a message for
-///          the indexes of the chunk at work, 100 bytes a chunk for the summary
-/// errors   after the output has refused a piece nothing more is written but what close() still can; see failed()
+/// limits   a chunk is written when it has kChunkBytes, or at flush(); memory: kChunkBytes, 16 bytes per message for
+///          the indexes of the current chunk, 100 bytes per chunk for the summary
+/// errors   after the output has refused a piece, only close() still tries to write; see failed()
 /// threads  one
 class FileWriter {
  public:
@@ -46,21 +46,21 @@ class FileWriter {
 
   /// Adds a channel to those of the file, and returns its number.
   std::uint16_t add_channel(ChannelDescription channel);
-  /// Adds a message to the chunk at work.
+  /// Adds a message to the current chunk.
   ///
   /// channel                 number in the order of the descriptions, from 1
   /// log_time, publish_time  ns since 1970
   void write(std::uint16_t channel, std::uint64_t log_time, std::uint64_t publish_time,
              std::span<const std::byte> data);
-  /// Writes the messages that wait as a chunk.
+  /// Writes the waiting messages as a chunk.
   void flush();
-  /// Writes text that belongs to the whole file, as a record of its own.
+  /// Writes text about the whole file, as a separate record.
   void metadata(std::string_view name, const std::vector<std::pair<std::string, std::string>>& entries);
-  /// Writes the end of the file. False: something could not be written, perhaps the end, which a reader then reports as
+  /// Writes the end of the file. False: something could not be written; if it was the end, a reader reports that as
   /// missing.
   bool close();
 
-  /// Whether the output has refused a piece.
+  /// True if the output has refused a piece.
   bool failed() const { return failed_; }
   /// Messages given to write(). Those in chunks that the output refused are not in the file.
   std::uint64_t messages() const { return messages_; }
@@ -96,7 +96,7 @@ class FileWriter {
   std::vector<ChunkEntry> chunks_;
   std::vector<MetadataEntry> metadata_;
 
-  // The chunk at work.
+  // The current chunk.
   Bytes records_;
   std::uint64_t chunk_messages_ = 0;
   std::uint64_t chunk_first_ = 0, chunk_last_ = 0;

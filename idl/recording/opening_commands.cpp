@@ -13,7 +13,7 @@ void append(std::string& text, std::uint64_t number) {
   text.append(digits.data(), std::to_chars(digits.data(), digits.data() + digits.size(), number, kBase).ptr);
 }
 
-/// Takes a number and the byte after it off the text; false where there is none.
+/// Takes a number and the byte after it off the text; false if there is none.
 bool take(std::string_view& text, std::uint64_t& number) {
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number, kBase);
   if (error != std::errc()) return false;

@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-/// Which commands an opening has taken into account, as the metadata of a recording have it. Whoever has heard the same
-/// commands meanwhile leaves them out: they would be carried out twice.
+/// The commands whose effects an opening already includes, in the metadata of a recording. A recorder or replay that
+/// has also received these commands leaves them out, since they would be executed twice.
 namespace collided::recording {
 
 /// A command by its client and the client's number for it.
@@ -18,7 +18,7 @@ inline constexpr const char* kOpeningCommands = "opening_commands";
 
 /// "4f:1 4f:2", hexadecimal.
 std::string text_of(std::span<const CommandNumber> commands);
-/// Reads that from text of unknown origin, up to where it is something else.
+/// Reads such text from an unknown source, up to the first mismatch.
 std::vector<CommandNumber> command_numbers(std::string_view text);
 
 }  // namespace collided::recording

@@ -11,11 +11,11 @@
 #include "idl/mcap/writer.hpp"
 #include "idl/topics.hpp"
 
-/// What a recording holds: each topic of a namespace is a channel of an MCAP file. Its messages are the CDR bytes of
-/// cdr.hpp, its schema is the text of collided.idl. Written by `collide record` and by the server's flight recorder.
+/// The contents of a recording: each topic of a namespace is a channel of an MCAP file. Its messages are the CDR bytes
+/// of cdr.hpp, its schema is the text of collided.idl. `collide record` and the server's flight recorder write it.
 namespace collided::recording {
 
-/// A recorded topic; the value is its channel's number in files that are written here.
+/// A recorded topic; the value is its channel's number in files written here.
 enum class Recorded : std::uint16_t {
   object = 1,
   pose,
@@ -35,7 +35,7 @@ struct RecordedTopic {
   Recorded what;
   const wire_contract::TopicQos& row;
   const char* type;                // its name in collided.idl
-  bool is_only_when_used = false;  // a file without a message of it has no such channel
+  bool is_only_when_used = false;  // a file without messages of it has no such channel
 };
 
 inline constexpr std::array<RecordedTopic, 11> kRecordedTopics{{
@@ -55,11 +55,11 @@ inline constexpr std::array<RecordedTopic, 11> kRecordedTopics{{
 /// The channels of a namespace, in the order of kRecordedTopics.
 std::vector<mcap::ChannelDescription> channels_of(std::string_view name_space);
 
-/// The topic of a file's channel, known by the end of the channel's name and by its schema's name; nothing for other
-/// channels.
+/// The topic of a file's channel, identified by the end of the channel's name and by its schema's name; nothing for
+/// other channels.
 std::optional<Recorded> recorded_topic(const mcap::Channel& channel, const mcap::Contents& contents);
 
-/// This program as files name their writer: "collided 0.2.0".
+/// The name of this program as a file's writer: "collided 0.2.0".
 std::string library_name();
 
 }  // namespace collided::recording
