@@ -163,7 +163,7 @@ Result<std::string> Client::upload(std::span<const std::byte> bytes, std::string
 
 Result<ServerStatus> Client::status() {
   if (std::optional<ServerStatus> status = state_->connection->pulse().status()) { return std::move(*status); }
-  // Right after connecting, the first status may still be under way.
+  // Right after connecting, the first status may still be in flight.
   const auto first = client::Clock::now() + std::chrono::nanoseconds(wire_contract::kStatusLostNs);
   state_->connection->pulse().wait_for_status(first);
   if (std::optional<ServerStatus> status = state_->connection->pulse().status()) { return std::move(*status); }

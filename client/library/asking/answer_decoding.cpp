@@ -18,7 +18,7 @@ Error nonsense(const std::string& what) {
           "client and server may be of different versions: 'collide version'"};
 }
 
-// Successive hits are mostly on one object, so its name is looked up once.
+// Caches the last name, since successive hits are mostly on one object.
 struct LastName {
   std::uint64_t id = 0;
   std::string name = {};

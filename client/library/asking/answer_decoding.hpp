@@ -11,16 +11,16 @@
 
 namespace collided::client {
 
-/// Puts the answers to one request together from its replies, in whatever order they come and however often.
+/// Assembles the answers to one request from its replies, which may come in any order and repeatedly.
 /// threads  one at a time
 class AnswerCollector {
  public:
   /// questions_per_chunk  in each of the request's chunks except the last
-  /// names                learns the names of objects that the replies carry
-  /// earlier              answers whose memory is used again
+  /// names                receives the names of objects in the replies
+  /// earlier              answers whose memory is reused
   AnswerCollector(std::size_t question_count, std::size_t questions_per_chunk, Names& names, Answers&& earlier = {});
 
-  /// Takes a reply. Returns the error where it is a refusal or inconsistent.
+  /// Adds a reply. Returns the error if it is a refusal or inconsistent.
   std::optional<Error> add(const wire::Reply& reply);
   std::size_t chunks_answered() const { return chunks_answered_; }
   /// True when every question has its answer.

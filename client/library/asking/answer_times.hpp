@@ -10,15 +10,15 @@
 
 namespace collided::client {
 
-/// Until when the server works on an answer, from when it takes the question. Without a deadline: until nobody waits for
-/// it any longer, a little later than the timeout, since whoever waits is told of that, not of an undecided answer.
+/// The time that the server may work on an answer, from its receipt of the question. Without a deadline: slightly
+/// longer than the timeout, after which no call waits. The call then reports the timeout, not an undecided answer.
 inline std::chrono::nanoseconds server_deadline(std::chrono::nanoseconds deadline, std::chrono::nanoseconds timeout) {
   constexpr std::chrono::nanoseconds kLongest = std::chrono::hours{24};
   if (deadline.count() > 0) return deadline;
   return std::clamp(timeout, std::chrono::nanoseconds(0), kLongest) + std::chrono::milliseconds(100);
 }
 
-/// Why the times of a question cannot be; nothing: they can.
+/// Why the times of a question are invalid; nothing: they are valid.
 inline std::optional<Error> time_fault(const std::string& what, const Instant& as_of,
                                        std::chrono::nanoseconds deadline) {
   if (as_of.time.count() < 0) {

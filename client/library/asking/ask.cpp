@@ -19,8 +19,8 @@ namespace {
 using wire_contract::kMaxQuestionsPerChunk;
 using wire_contract::kMaxQuestionsPerRequest;
 
-// The answers to more questions than this take longer than waking up does, and the processor is better used by the
-// server that computes them.
+// Answers to more questions than this take longer than waking up; the processor is better left to the server that
+// computes them.
 constexpr std::size_t kMostAtOnce = 16;
 
 template <class Question>
@@ -52,7 +52,7 @@ std::optional<Error> options_fault(const QuestionRequest& request, const AskOpti
   return std::nullopt;
 }
 
-// Fills in everything but the questions. All of it is set, since the sample may hold what another request left.
+// Sets all fields except the questions, since the sample may contain those of an earlier request.
 void fill_header(wire::Query& query, const QuestionRequest& request, const AskOptions& options,
                  const WriteBarrier& barrier) {
   query.chunk_count =
@@ -74,7 +74,7 @@ void fill_header(wire::Query& query, const QuestionRequest& request, const AskOp
   dds::borrow(query.blob, request.blob);
 }
 
-// Each chunk is made just before it is sent: the server works on the first while the next ones are made.
+// Each chunk is made just before it is sent, so that the server works on the first one meanwhile.
 std::optional<Error> send_chunk(Connection& connection, Requests::Running& running, const QuestionRequest& request,
                                 std::uint32_t chunk) {
   const std::size_t first = std::size_t{chunk} * request.most_in_chunk;
@@ -90,8 +90,8 @@ std::optional<Error> send_chunk(Connection& connection, Requests::Running& runni
   return connection.send(query);
 }
 
-// Asks once; `barrier` is what has to be taken into account first. `answers` holds the answers, or after an error memory
-// to be used again.
+// Asks once; the answers include the write `barrier`. `answers` receives the answers, or after an error reusable
+// memory.
 std::optional<Error> run_once(Connection& connection, const QuestionRequest& request, const AskOptions& options,
                               const WriteBarrier& barrier, Clock::time_point deadline, Answers& answers) {
   if (auto error = connection.ready(deadline)) { return error; }
@@ -153,7 +153,7 @@ Result<Answers> run(Connection& connection, const QuestionRequest& request, cons
   const auto ask_once = [&] { return is_routed ? route->ask(once, options, answers, deadline) : once(connection); };
   std::uint64_t server = connection.pulse().server();
   while (auto error = ask_once()) {
-    // Where another server has taken the place of the one that was asked, it is asked: a question changes nothing.
+    // If another server has replaced the one that was asked, retries there; a question changes nothing.
     const bool is_replaced = error->code == ErrorCode::disconnected && !connection.pulse().silent() &&
                              std::exchange(server, connection.pulse().server()) != connection.pulse().server();
     const Clock::time_point again = Clock::now() + error->retry_after;
@@ -171,7 +171,7 @@ Error question_fault(const std::string& reason, std::size_t index, std::size_t c
   return bad_input((count == 1 ? noun : noun + ' ' + std::to_string(index)) + ": " + reason);
 }
 
-/// Checks all questions before the first is sent: a request is answered as a whole or not at all.
+/// Checks all questions before the first is sent, since a request is answered completely or not at all.
 template <class Question>
 std::optional<Error> fault_of(std::span<const Question> questions) {
   using Wire = QuestionWire<Question>;

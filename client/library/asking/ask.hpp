@@ -7,15 +7,15 @@
 
 namespace collided::client {
 
-/// Checks every question, sends them in chunks with a few in flight, and waits for all the answers.
-/// Instantiated for the four question types.
+/// Checks every question, sends them in chunks with a few in flight, and waits for all answers. Instantiated for the
+/// question types of Client::ask.
 ///
-/// earlier  answers whose memory is used again
+/// earlier  answers whose memory is reused
 template <class Question>
 Result<Answers> ask(Connection& connection, std::span<const Question> questions, const AskOptions& options,
                     Answers&& earlier = {});
 
-/// The same for motions of one shape, which is sent with each chunk.
+/// Asks about motions of one shape, which is sent with each chunk.
 Result<Answers> sweep(Connection& connection, const Shape& shape, std::span<const SweepQuestion> motions,
                       const AskOptions& options);
 

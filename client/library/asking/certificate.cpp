@@ -4,16 +4,16 @@
 
 #include "client/library/asking/exact_sum.hpp"
 
-// Checks a certificate in sixty lines that share no code with the server: all that must be trusted is here and in
-// exact_sum.hpp.
+// Checks a certificate in sixty lines that share no code with the server. Only this file and exact_sum.hpp need to be
+// trusted.
 namespace collided {
 namespace {
 
 using namespace client;
 using Kind = CertifiedPart::Summand;
 
-/// Whether n . (x - p) <= 0 (strictly: < 0) for every x of the part. For each of its points that is r + sqrt(q / d) <=
-/// 0, where r is the point's own value and sqrt(q / d) how much the summand adds at most.
+/// True if n . (x - p) <= 0 (strictly: < 0) for every x of the part. For each of its points this means r + sqrt(q / d)
+/// <= 0, where r is the point's value and sqrt(q / d) is the most that the summand adds.
 bool lies_behind(const CertifiedPart& s, const ExactVector& n, const ExactVector& p, bool strictly) {
   const bool is_disc = s.summand == Kind::disc;
   const ExactVector axis = is_disc ? exact(s.points.at(1)) - exact(s.points.at(0)) : exact(s.axes[0]);
@@ -34,7 +34,7 @@ bool lies_behind(const CertifiedPart& s, const ExactVector& n, const ExactVector
   return true;
 }
 
-/// Whether the point x / w is in the part: its difference from a mixture of the part's points is in the summand.
+/// True if the point x / w is in the part: its difference from a mixture of the part's points is in the summand.
 bool holds(const CertifiedPart& s, const ExactVector& x, const ExactSum& w, const Certificate::Mix& mix) {
   if (s.summand == Kind::half_space)
     return w.above_zero() && dot(exact(s.axes[0]), x - w * exact(s.points.at(0))).at_most_zero();
@@ -68,8 +68,8 @@ bool holds(const CertifiedPart& s, const ExactVector& x, const ExactSum& w, cons
          (s.summand == Kind::box || within(squares, s.half_m[0] * volume * s.half_m[1] * s.half_m[2]));
 }
 
-/// Whether the steps from number `at` on prove that the parts a0 to a1 are apart from b0 to b1 (ends excluded). `at`
-/// then is the number after those steps.
+/// True if the steps from number `at` on prove that the parts a0 to a1 are apart from b0 to b1 (ends excluded).
+/// Advances `at` past these steps.
 bool apart(const Certificate& c, std::size_t a0, std::size_t a1, std::size_t b0, std::size_t b1, std::size_t& at) {
   const Certificate::Step& step = c.steps.at(at++);
   if (step.kind == Certificate::Step::Kind::split_a)
@@ -89,7 +89,7 @@ bool proves(const Certificate& c) try {
   if (!c.touches) return !c.a.empty() && !c.b.empty() && apart(c, 0, c.a.size(), 0, c.b.size(), at);
   const ExactVector x{ExactSum(c.point[0]), ExactSum(c.point[1]), ExactSum(c.point[2])};
   return holds(c.a.at(0), x, ExactSum(c.divisor), c.mix_a) && holds(c.b.at(0), x, ExactSum(c.divisor), c.mix_b);
-} catch (const std::out_of_range&) {  // an index that is out of range
+} catch (const std::out_of_range&) {  // an index out of range
   return false;
 }
 

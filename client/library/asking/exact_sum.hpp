@@ -7,8 +7,8 @@
 
 namespace collided::client {
 
-/// An exact number: a sum of doubles whose digits do not overlap, smallest first. It is lost where a product leaves the
-/// range of double; a lost number answers every question below with no, so that it proves nothing.
+/// An exact number: a sum of doubles whose digits do not overlap, smallest first. If a product leaves the range of
+/// double, the number is lost: it answers every question below with no, so that it proves nothing.
 /// source  Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997
 class ExactSum {
  public:

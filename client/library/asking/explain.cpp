@@ -12,13 +12,13 @@
 #include "idl/answers/pair.hpp"
 #include "idl/commands.hpp"
 
-// The calls Client::explain_...: the command `explain` (idl/commands.hpp), and its answers read.
+// The functions Client::explain_...: they send the command `explain` (idl/commands.hpp) and read its answers.
 namespace collided {
 namespace {
 
 using wire_contract::command::kExplain;
 
-/// arguments  those of what is explained, without the deadline
+/// arguments  those of the command, without the deadline
 template <class Explained>
 Result<Explained> explained(Client& asked, nlohmann::json arguments, const ExplainOptions& options) {
   if (auto error = client::time_fault(kExplain, options.as_of, options.deadline)) return *error;

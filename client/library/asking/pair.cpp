@@ -20,8 +20,7 @@ Result<PairAnswer> pair(Connection& connection, const std::string& a, const std:
                            {"most", options.most_triangle_pairs},
                            {"as_of", wire_contract::text_of(instant_of(options.as_of))},
                            {"deadline_ns", server_deadline(options.deadline, options.timeout).count()}};
-  if (!options.opinion.empty())
-    arguments["opinion"] = options.opinion;  // a server that is older refuses what it does not know
+  if (!options.opinion.empty()) arguments["opinion"] = options.opinion;  // an older server refuses unknown arguments
   return read_answer<PairAnswer>(command(connection, wire_contract::command::kPair, arguments, options.timeout),
                                  "pair");
 }

@@ -14,12 +14,12 @@
 
 namespace collided::client {
 
-/// The instant as the server takes it.
+/// The instant in the server's form.
 inline wire_contract::AskedInstant instant_of(const Instant& instant) {
   return {.kind = static_cast<wire_contract::AskedInstant::Kind>(instant.kind), .ns = instant.time.count()};
 }
 
-/// How a question type is sent: its kind, how many numbers each question has, and its name in errors.
+/// The wire form of a question type: its kind, its number of numbers per question, and its name in errors.
 template <class Question>
 struct QuestionWire;
 template <>
@@ -103,12 +103,12 @@ inline void encode(const SweepQuestion& question, double* numbers) {
   put(numbers, question.to);
 }
 
-/// Why a field's numbers break its rule, such as "direction 0 0 0 has no direction"; nothing: they keep it.
+/// Why a field's numbers violate its rule, such as "direction 0 0 0 has no direction"; nothing: they do not.
 ///
 /// row  of the question that has the field
 std::optional<std::string> fault(const wire_contract::NumberField& field, const double* row);
 
-/// Why a question cannot be asked; nothing: it can.
+/// Why a question is invalid; nothing: it is valid.
 template <class Question>
 std::optional<std::string> fault(const Question& question) {
   using Wire = QuestionWire<Question>;

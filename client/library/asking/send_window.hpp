@@ -9,12 +9,12 @@
 
 namespace collided::client {
 
-/// How many chunks of a request may be under way. All that a server is to answer next lies in one buffer of its
-/// machine: fifty clients with four chunks each overflow it, and what it drops is sent again and again. So a request begins
-/// with one, sends more while its chunks are taken up soon, and fewer while they wait for those of many others; a server
-/// with many clients is busy with one of each.
-/// Not: less for chunks that are slow to compute, since a server computes several at a time.
-/// source  additive increase and decrease by what was waited for: after Jain 1989, "A delay-based approach for congestion
+/// The number of chunks of a request that may be in flight. All chunks for a server wait in one buffer of its machine:
+/// fifty clients with four chunks each overflow it, and dropped chunks are sent again and again. Therefore a request
+/// begins with one chunk, sends more while its chunks are taken soon, and fewer while they wait for those of many
+/// others; one chunk per client keeps a server with many clients busy. Slow computation does not shrink the window,
+/// since a server computes several chunks at a time.
+/// source  additive increase and decrease by the waiting time: after Jain 1989, "A delay-based approach for congestion
 ///         avoidance"
 class SendWindow {
  public:
@@ -23,10 +23,10 @@ class SendWindow {
   /// In 1 ... kChunksInFlight.
   std::size_t size() const { return size_; }
 
-  /// A chunk goes out. Of those under way the oldest counts as the next one answered.
+  /// Notes that a chunk is sent. The oldest chunk in flight counts as the next one answered.
   void note_sent(Clock::time_point now) { sent_[sent_count_++ % sent_.size()] = now; }
 
-  /// A chunk is answered for which the server worked for compute.
+  /// Notes the answer to a chunk on which the server worked for `compute`.
   void note_answered(Clock::time_point now, std::chrono::nanoseconds compute) {
     if (answered_count_ == sent_count_) return;
     const std::chrono::nanoseconds waited = now - sent_[answered_count_++ % sent_.size()] - compute;
@@ -40,7 +40,7 @@ class SendWindow {
   static constexpr std::chrono::nanoseconds kPrompt = std::chrono::milliseconds{10};
   static constexpr std::chrono::nanoseconds kLate = std::chrono::milliseconds{20};
   static constexpr int kOwnChunks = kMost;       // a request's own chunks wait for each other
-  static constexpr int kManyChunks = 2 * kMost;  // nor for those of one other client
+  static constexpr int kManyChunks = 2 * kMost;  // and for those of one other client
 
   std::array<Clock::time_point, kMost> sent_{};
   std::size_t sent_count_ = 0;

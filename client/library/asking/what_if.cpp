@@ -41,7 +41,7 @@ std::optional<Error> what_if_fault(const WhatIfConfigurations& given, const What
   return std::nullopt;
 }
 
-/// The answers of a what-if: its two hits are a pair.
+/// Converts the answers of a what-if: the two hits of each are a pair.
 WhatIfAnswers pairs_of(Answers&& answers) {
   WhatIfAnswers told;
   told.version = answers.version;

@@ -12,10 +12,10 @@
 using namespace collided;
 using namespace collided::c;
 
-/// Answers, and where the hits of each question begin.
+/// Answers, with the number of each question's first hit.
 struct collided_answers {
   Answers answers;
-  std::vector<std::size_t> first_hit;  // number of each question's first hit; one more at the end: of all hits
+  std::vector<std::size_t> first_hit;  // number of each question's first hit; the last entry is the number of all hits
 
   void take(Answers&& given) {
     answers = std::move(given);
@@ -118,7 +118,7 @@ Hit no_hit() {
 
 // ---- configurations ------------------------------------------------------------------------------------------------
 
-/// The two hits by which collided.h reports a pair.
+/// Adds the two hits by which collided.h reports a pair.
 void put_pair(const ClearancePair& pair, Answer& answer) {
   Hit& a = answer.hits.emplace_back();
   a.object = pair.a;
@@ -154,7 +154,7 @@ Answers what_if_answers(const WhatIfAnswers& said) {
   return made;
 }
 
-/// collided_ask_options have a default timeout of their own.
+/// collided_ask_options have a different default timeout.
 WhatIfOptions what_if_options(const collided_ask_options* options, const ImaginedObjects& imagined) {
   const AskOptions asked = ask_options(options);
   WhatIfOptions how{.against = asked.only,

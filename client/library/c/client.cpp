@@ -6,7 +6,7 @@ using namespace collided::c;
 
 namespace {
 
-/// The status with the nanoseconds of its times, of which the members in seconds have not all digits.
+/// Returns the status with its times also in nanoseconds, since members in seconds lack digits.
 Result<void> hand_out_status(Client& client, char** answer) {
   const Result<ServerStatus> status = client.status();
   if (!status) return status.error();

@@ -12,7 +12,7 @@
 #include "idl/answers/commands.hpp"
 #include "idl/described_json.hpp"
 
-/// The options that the C interface takes as JSON text, and the small answers that it returns as such.
+/// The options that the C interface takes as JSON text, and the small answers that it returns as JSON.
 namespace collided {
 
 constexpr auto fields_of(const ConnectOptions*) {
@@ -49,7 +49,7 @@ constexpr auto fields_of(const VoxelScan*) {
 
 namespace c {
 
-/// Options of a watch of standing questions; an empty form is any.
+/// Options of a watch of standing questions; an empty form means any.
 struct StandingWatchWords {
   std::string only;
   std::string skip;
@@ -61,7 +61,7 @@ constexpr auto fields_of(const StandingWatchWords*) {
   return fields<&T::only, &T::skip, &T::form, &T::capacity>();
 }
 
-/// An object of a publisher: defined, or claimed as it is in the world.
+/// An object of a publisher, newly defined or claimed.
 struct PublishedObject : ObjectOptions {
   bool claim = false;
 };
@@ -100,7 +100,7 @@ constexpr auto fields_of(const VoxelsShown*) {
                 &VoxelsShown::layers, &VoxelsShown::lost>();
 }
 
-/// The objects that are moved in collided_what_if.
+/// The objects moved in collided_what_if.
 struct ImaginedObjects {
   std::vector<std::string> objects;
   std::vector<std::vector<std::string>> attached;
@@ -112,10 +112,10 @@ constexpr auto fields_of(const ImaginedObjects*) {
   return fields<&T::objects, &T::attached, &T::nearer_m, &T::with_filtered>();
 }
 
-/// The options in a text, which may be null. Error bad_input for a member that T does not have or that does not fit it: an
-/// option that is misspelt must not be ignored.
+/// Reads options from a text, which may be null. Error bad_input for an unknown member or one of the wrong type: a
+/// misspelt option must not be ignored.
 ///
-/// what  whose options they are, for the error
+/// what  the owner of the options, for the error
 template <Described T>
 Result<T> options_of(const char* given, const std::string& what) {
   const auto unfit = [&what](const std::string& why) {
@@ -137,11 +137,11 @@ Result<T> options_of(const char* given, const std::string& what) {
     return from_json<T>(json, true);
   } catch (const nlohmann::json::exception& wrong) {
     const std::string why = wrong.what();
-    return unfit(why.substr(why.find("] ") + 2));  // behind the number that the JSON library gives its error
+    return unfit(why.substr(why.find("] ") + 2));  // skips the JSON library's error number
   }
 }
 
-/// Gives the caller a copy of a text, for collided_free_text; a null target does not want it.
+/// Gives the caller a copy of a text, to be freed by collided_free_text; a null target is skipped.
 Result<void> hand_out(std::string_view words, char** target);
 /// Gives the caller an answer as JSON. Texts of a damaged file may not be UTF-8.
 template <class Answer>

@@ -65,7 +65,7 @@ Result<ShapePart> part_of(const collided_part& part) {
 
 Result<Shape> shape_of(const collided_part* parts, std::size_t part_count) {
   if (part_count > 0 && !parts) return missing("parts");
-  // The parts lie as far from each other as the caller's header says.
+  // The parts are spaced by the struct's size in the caller's header.
   const auto* bytes = reinterpret_cast<const unsigned char*>(parts);
   Shape made;
   for (std::size_t i = 0; i < part_count; ++i, bytes += parts->size) {

@@ -14,7 +14,7 @@
 /// Values that cross the C interface: structs that may be older than this library, texts that may be null, errors.
 namespace collided::c {
 
-/// The caller's struct as this library knows it: members that the caller's header has not are as in `defaults`.
+/// The caller's struct in this library's version: members missing in the caller's header are as in `defaults`.
 template <class T>
 T taken(const T* given, const T& defaults = {}) {
   T value = defaults;
@@ -22,7 +22,7 @@ T taken(const T* given, const T& defaults = {}) {
   return value;
 }
 
-/// Writes as much of `value` as the caller's struct has room for, which is `size` bytes.
+/// Writes the first `size` bytes of `value`, the size of the caller's struct.
 template <class T>
 void give(T value, void* target, std::uint32_t size) {
   value.size = size;
@@ -35,7 +35,7 @@ void give(const T& value, T* target) {
 
 inline std::string text(const char* given) { return given ? given : ""; }
 
-/// Cut off where it is longer than the array; never within a UTF-8 character.
+/// Copies a text, truncated to the array, never within a UTF-8 character.
 template <std::size_t N>
 void put_text(std::string_view from, char (&to)[N]) {
   std::size_t length = std::min(from.size(), N - 1);
@@ -53,12 +53,12 @@ inline void put(const Vec3& from, double* to) { std::copy_n(from.data(), 3, to);
 /// Fills the caller's error and returns its code.
 int fail(const Error& error, collided_error* target);
 Error missing(std::string_view what);
-/// Error bad_input: a kind of something is a number beyond 0 to `last`.
+/// Error bad_input: a kind is outside of 0 to `last`.
 Error unknown_kind(const std::string& what, std::int32_t kind, std::int32_t last);
-/// Fills the caller's error with what a call that went well has to report; an empty text: nothing.
+/// Fills the caller's error with the report of a successful call; an empty text: nothing to report.
 void note(std::string_view text, collided_error* target);
 
-/// Runs a call and turns its Result, or whatever it throws, into a code.
+/// Runs a call and turns its Result, or any exception, into a code.
 template <class Call>
 int guarded(collided_error* error, const Call& call) noexcept {
   try {
@@ -70,7 +70,7 @@ int guarded(collided_error* error, const Call& call) noexcept {
 }
 
 AskOptions ask_options(const collided_ask_options* options);
-/// Error bad_input for parts that cannot be meant.
+/// Error bad_input for invalid parts.
 Result<Shape> shape_of(const collided_part* parts, std::size_t part_count);
 
 }  // namespace collided::c

@@ -12,7 +12,7 @@ using namespace collided::c;
 
 struct collided_watch {
   std::variant<Watch, StandingWatch, ProbeWatch> of;
-  std::vector<Event> lent = {};  // events of collided_watch_read, whose texts the caller has until the next call
+  std::vector<Event> lent = {};  // events of collided_watch_read, whose texts are valid until the next call
 };
 
 namespace {
@@ -39,7 +39,7 @@ Result<StandingWatchOptions> standing_watch_options(const char* options) {
                "nothing was sent"};
 }
 
-/// The watch that a client starts with options that may be an error.
+/// Starts a watch, unless its options are an error.
 template <class Options, class Start>
 Result<collided_watch> started(const Result<Options>& options, const Start& start) {
   if (!options) return options.error();
@@ -60,7 +60,7 @@ Result<collided_watch> start_watch(Client& client, collided_followed followed, c
   }
 }
 
-/// Takes what is there, at most `capacity` events; waits for the first.
+/// Takes the queued events, at most `capacity`; waits for the first.
 void take_contacts(Watch& watch, std::chrono::nanoseconds wait, std::size_t capacity, std::vector<Event>& taken) {
   taken.clear();
   while (taken.size() < capacity) {
@@ -70,7 +70,7 @@ void take_contacts(Watch& watch, std::chrono::nanoseconds wait, std::size_t capa
   }
 }
 
-/// A call that may find that there is nothing.
+/// Runs a call that may return COLLIDED_NOTHING.
 template <class Take>
 int guarded_take(collided_error* error, const Take& take) {
   bool found = false;
@@ -118,7 +118,7 @@ int collided_watch_read(collided_watch* watch, int64_t wait_ns, collided_event* 
     auto* const contacts = std::get_if<Watch>(&watch->of);
     if (!contacts) return Error{ErrorCode::bad_input, "the watch is not one of contacts", "use collided_watch_next"};
     take_contacts(*contacts, std::chrono::nanoseconds(wait_ns), capacity, watch->lent);
-    // The events lie as far from each other as the caller's header says.
+    // The events are spaced by the struct's size in the caller's header.
     const std::uint32_t size = events->size;
     auto* bytes = reinterpret_cast<unsigned char*>(events);
     for (const Event& event : watch->lent) {

@@ -16,7 +16,7 @@ namespace {
 
 using wire_contract::ReplyStatus;
 
-// Collects the chunks of an answer's text, which may come in any order.
+// Assembles the chunks of an answer's text, which may come in any order.
 class TextCollector {
  public:
   void add(const wire::Reply& reply) {
@@ -49,7 +49,7 @@ Result<std::string> command_text(std::string_view name, std::string_view json_ar
   return text;
 }
 
-/// The right that the command of this text needs.
+/// The right that a command with this text needs.
 wire_contract::QueryRight right_of(std::string_view name, const std::string& text) {
   const bool is_load = name == wire_contract::command::kLoad;
   return wire_contract::command::right_for(name, is_load && nlohmann::json::parse(text).contains("upload"));
@@ -106,7 +106,7 @@ namespace {
 
 /// Sends the command and collects its answer.
 ///
-/// changed_ns  set to the world time as of which the answer was written
+/// changed_ns  set to the world time of the answer
 Result<std::string> run_command(Connection& connection, std::string_view name, const std::string& text,
                                 wire_contract::QueryRight right, std::span<const std::uint8_t> blob,
                                 std::chrono::nanoseconds timeout, const std::function<void(double)>& progress,

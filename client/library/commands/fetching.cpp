@@ -13,7 +13,7 @@ namespace collided {
 namespace client {
 namespace {
 
-/// Largest recording that is fetched: it is taken into memory, and no proper flight recorder makes a larger one.
+/// Largest recording to fetch: it is held in memory, and no valid flight recorder makes a larger one.
 constexpr std::uint64_t kMostBytes = std::uint64_t{1} << 30;
 constexpr std::chrono::seconds kTimeout{10};
 
@@ -54,7 +54,7 @@ Result<std::uint64_t> fetch_recording(const ConnectOptions& options, std::chrono
   const Result<std::shared_ptr<client::Connection>> connection = client::Connection::open(options);
   if (!connection) return connection.error();
   try {
-    // The file is opened first: where that fails, the server is not bothered.
+    // Opens the file before it sends a request, which is useless without the file.
     mcap::FileOutput output(path);
     const Result<std::vector<std::byte>> bytes = client::fetch_recorded(**connection, last);
     if (!bytes) return bytes.error();

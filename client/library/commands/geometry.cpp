@@ -22,7 +22,7 @@ Error unfit(const char* command, const std::string& flaw) {
                "server and library may be of different versions"};
 }
 
-/// All pages of an answer; nothing where the server no longer has it.
+/// Fetches all pages of an answer; nothing if the server no longer has it.
 Result<std::optional<std::string>> fetch(Connection& connection, const char* command_name, json arguments,
                                          std::chrono::nanoseconds timeout) {
   std::string all;
@@ -48,7 +48,7 @@ Result<std::optional<std::string>> fetch(Connection& connection, const char* com
   return std::optional(std::move(all));
 }
 
-/// The surfaces that are here already, by number; it fetches the others.
+/// Surfaces by number: known ones are reused, others are fetched.
 class SurfaceBook {
  public:
   SurfaceBook(Connection& connection, const ShapesOptions& options) : connection_(connection), options_(options) {}
@@ -61,7 +61,7 @@ class SurfaceBook {
     }
   }
 
-  /// A surface; null where the server no longer has it.
+  /// A surface; null if the server no longer has it.
   Result<std::shared_ptr<const Surface>> get(std::uint64_t epoch, std::uint64_t number) {
     if (const auto known = surfaces_.find(number); known != surfaces_.end()) return known->second;
     const json arguments{
@@ -82,8 +82,8 @@ class SurfaceBook {
   std::unordered_map<std::uint64_t, std::shared_ptr<const Surface>> surfaces_;
 };
 
-/// The objects with their surfaces. Where a surface has gone since the objects were listed: nothing, or, if may_lack,
-/// the objects without those that need it.
+/// Fetches the objects with their surfaces. If a surface has disappeared since the objects were listed: nothing or,
+/// with may_lack, the objects that do not need it.
 Result<std::optional<ShownObjects>> attempt(Connection& connection, const ShapesOptions& options,
                                             const ShownObjects* earlier, SurfaceBook& book, bool may_lack) {
   json arguments{{"only", options.only}, {"skip", options.skip}, {"mask", options.mask}};

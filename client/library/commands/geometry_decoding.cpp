@@ -14,7 +14,7 @@
 namespace collided::client {
 namespace {
 
-/// Why something does not hold; thrown and caught in this file.
+/// Why data is invalid; thrown and caught in this file.
 struct Flaw {
   const char* what;
 };
@@ -31,7 +31,7 @@ Quat rotation_of(double w, double x, double y, double z) {
   return rotation;
 }
 
-/// A rotation with these axes. An axis may be reversed, which makes no difference to a box or an ellipsoid.
+/// A rotation with these axes. It may reverse an axis, which does not change a box or an ellipsoid.
 Quat rotation_of(const format::Mat3& axes) {
   Eigen::Matrix3d m;
   m.col(0) = vector_of(axes.column_0());
@@ -55,7 +55,7 @@ Vec3 sizes_of(const format::Vec3& from) {
 
 class ObjectsDecoder {
  public:
-  /// byte_budget  bounds the memory. A proper buffer stores each number once; one whose tables share numbers could
+  /// byte_budget  bounds the memory. A valid buffer stores each number once; one whose tables share numbers could
   ///              otherwise make the decoder allocate any amount.
   explicit ObjectsDecoder(std::size_t byte_budget) : budget_(byte_budget) {}
 
@@ -206,7 +206,7 @@ Poses poses_of(const format::Poses& from, const std::uint8_t*) {
   return poses;
 }
 
-/// What work(root table, first byte) makes of a buffer, unless it has a flaw.
+/// Returns work(root table, first byte) for a buffer, unless it is invalid.
 template <class Table, class Work>
 auto read_table(std::string_view text, std::string& flaw, const Work& work)
     -> std::optional<decltype(work(std::declval<const Table&>(), nullptr))> {
@@ -226,7 +226,7 @@ auto read_table(std::string_view text, std::string& flaw, const Work& work)
 
 std::optional<Page> decode_page(std::string_view text, std::string& flaw) {
   return read_table<format::Page>(text, flaw, [&](const format::Page& page, const std::uint8_t* first_byte) {
-    // The same bytes in the text, which outlives a copy.
+    // Refers to the bytes in the text, which outlives a copy.
     const auto first = static_cast<std::size_t>(page.bytes()->Data() - first_byte);
     return Page{page.transfer(), page.total(), page.first(), text.substr(first, page.bytes()->size())};
   });

@@ -10,14 +10,14 @@
 
 namespace collided::client {
 
-/// Three numbers of a command's answer as a vector. Like all access to JSON it throws nlohmann::json::exception where
-/// something is missing or of another type; read_answer turns that into an Error.
+/// Three numbers of a command's answer as a vector. Like all access to JSON it throws nlohmann::json::exception if
+/// something is missing or has another type; read_answer turns that into an Error.
 inline Vec3 vector_of(const nlohmann::json& numbers) {
   return {numbers.at(0).get<double>(), numbers.at(1).get<double>(), numbers.at(2).get<double>()};
 }
 
-/// read(json) for the JSON in an answer's text; an Error where there is one already, or where the answer is not as the
-/// command promises.
+/// Returns read(json) for the JSON in an answer's text. Passes on an existing Error, and returns an Error if the answer
+/// is not of the command's form.
 template <class Read>
 auto read_answer(const Result<std::string>& text, const char* command, Read&& read)
     -> Result<decltype(read(std::declval<const nlohmann::json&>()))> {
@@ -36,7 +36,7 @@ auto read_answer(const Result<std::string>& text, const char* command, Read&& re
   }
 }
 
-/// The same for an answer that is described as a whole.
+/// Reads an answer that is one described struct.
 template <Described Answer>
 Result<Answer> read_answer(const Result<std::string>& text, const char* command) {
   return read_answer(text, command, [](const nlohmann::json& json) { return from_json<Answer>(json); });

@@ -6,7 +6,7 @@
 #include "idl/answers/commands.hpp"
 #include "idl/commands.hpp"
 
-// The typed commands, each by Client::command.
+// The typed commands, which all use Client::command.
 namespace collided {
 namespace {
 
@@ -15,7 +15,7 @@ using client::read_answer;
 using nlohmann::json;
 using std::chrono::nanoseconds;
 
-/// The arguments as text. An error where a name is not UTF-8: with its bytes replaced it could be another name.
+/// The arguments as text. Error if a name is not UTF-8: with replaced bytes it could be another name.
 Result<std::string> text_of(const char* command, const json& arguments) {
   try {
     return arguments.dump();
@@ -54,7 +54,7 @@ ObjectDetails details_of(const json& answer) {
 }  // namespace
 
 Result<Added> Client::add(const ObjectOptions& object, nanoseconds timeout) {
-  // Without one the server would hear of no shape at all.
+  // Without one the server would not receive a shape.
   if (object.shape.empty()) return client::bad_input("add: object '" + object.name + "': its shape has no part");
   json arguments{{"name", object.name},    {"pose", json_of(object.pose)}, {"layers", object.layers},
                  {"mask", object.mask},    {"group", object.group},        {"scale", json_of(object.scale)},

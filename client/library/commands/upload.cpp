@@ -18,7 +18,7 @@ namespace names = wire_contract::command;
 
 constexpr int kTries = 3;
 
-// The CRC-32 of any number of bytes; zlib takes at most 32 bits of length at a time.
+// The CRC-32 of any number of bytes; zlib takes lengths of at most 32 bits.
 std::uint32_t checksum_of(std::span<const std::uint8_t> bytes) {
   uLong sum = ::crc32(0, nullptr, 0);
   while (!bytes.empty()) {

@@ -9,8 +9,8 @@
 
 namespace collided::client {
 
-/// Client::upload. Sends the pieces one after the other, each until the server confirms it; a piece that is lost or
-/// damaged is sent again, up to three times.
+/// Client::upload. Sends the pieces one after the other and waits for the server's confirmation of each; a lost or
+/// damaged piece is sent again, up to three times.
 Result<std::string> upload(Connection& connection, std::span<const std::byte> bytes, std::string_view file_name,
                            std::string_view json_arguments, std::chrono::nanoseconds timeout,
                            const std::function<void(double)>& progress);
