@@ -17,21 +17,21 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
-// A reply that is written before this reader is matched is lost. So hello is repeated until a reply arrives: whenever a
-// new match is seen, since then it may succeed, and again and again, for a server that starts meanwhile; seldom once it
-// takes long: DDS repeats what a busy server's machine dropped, and all hellos that were said until then with it.
+// A reply written before this reader is matched is lost. Therefore hello is repeated until a reply arrives: at each new
+// match, which may make it succeed, and periodically, for a server that starts meanwhile. The period grows, since DDS
+// retransmits what a busy server's machine dropped, including all earlier hellos.
 constexpr milliseconds kFirstHelloPeriod{20};
 constexpr milliseconds kLastHelloPeriod{640};
-// How often it is looked whether the server's reader was found: soon at first, and seldom on a machine where that takes
-// long, since fifty clients that look each millisecond take the time that the server would need to answer them.
+// Period of polling for a match with the server's reader. It grows, since fifty clients that poll every millisecond
+// take the processor time that the server needs to answer them.
 constexpr milliseconds kFirstMatchPeriod{1};
 constexpr milliseconds kLastMatchPeriod{20};
 constexpr milliseconds kSoon{100};
-// For a server of this machine, since that was last seen to have more to do than it can.
+// Extra time for a server on this machine, from when the machine was last seen overloaded.
 constexpr milliseconds kAfterCrowd{2'000};
-// Times what is waited for a server at all, where one of that namespace is known to be there.
+// Factor on the wait for a server if one of that namespace is known to run.
 constexpr int kCrowdPatience = 30;
-// How often a request looks whether a silent server still runs.
+// Period at which a request checks whether a silent server still runs.
 constexpr milliseconds kLookPeriod{20};
 
 std::string server_words(const ConnectOptions& options) {
@@ -80,7 +80,7 @@ void Connection::hear_status(const dds::Taker<wire::Status>& taker) {
   } catch (const dds::DdsError&) {}  // the reader is being deleted
 }
 
-/// Whose status it is shows once somebody has answered hello.
+/// Keeps statuses until a reply to hello shows which one is the server's.
 void Connection::keep_until_greeted(dds::Sample<wire::Status>& status) {
   constexpr std::size_t kMostWriters = 8;
   const std::lock_guard lock(early_mutex_);
@@ -88,7 +88,7 @@ void Connection::keep_until_greeted(dds::Sample<wire::Status>& status) {
   if (early_.size() < kMostWriters || early_.contains(writer)) std::swap(early_[writer], status);
 }
 
-/// This reply to hello comes from the server: what it has said before counts, and nothing that others have.
+/// The sender of this reply to hello is the server: its earlier status counts, those of others do not.
 void Connection::know_server_by(const dds::Sample<wire::Reply>& reply) {
   EarlyStatuses early;
   {
@@ -110,8 +110,7 @@ Result<std::shared_ptr<Connection>> Connection::open(const ConnectOptions& optio
   const Clock::time_point deadline = (options.wait_is_limit ? began : Clock::now()) + wait;
   try {
     const std::shared_ptr<Connection> connection(new Connection(options, join_domain(options, role)));
-    // On a machine with more processes than it can run, a server that is there may need longer than somebody wants to
-    // wait for one that is not.
+    // On an overloaded machine, a running server may need longer to answer than a user wants to wait for a missing one.
     constexpr milliseconds kFoundPatience{10'000};
     const Clock::time_point deadline_if_found =
         options.wait_is_limit ? deadline : std::max(deadline, Clock::now() + kFoundPatience);
@@ -137,11 +136,11 @@ std::shared_ptr<Connection> Connection::open_beside(const Connection& primary, c
 
 namespace {
 
-/// Until when a server's answer is waited for on a machine that has more to do than it can: time in which the server hardly
-/// gets a processor does not count.
+/// The deadline for a server's answer on an overloaded machine: time in which the server hardly gets a processor does
+/// not count.
 class CrowdPatience {
  public:
-  /// is_plain  whether a server that is there can be heard for sure: no keys, and no configuration of DDS of its own
+  /// is_plain  reception of a running server is certain: no keys, and no DDS configuration of its own
   CrowdPatience(const ConnectOptions& options, bool is_plain, nanoseconds wait)
       : options_(options), is_plain_(is_plain), wait_(wait) {}
 
@@ -150,7 +149,7 @@ class CrowdPatience {
     const bool is_here =
         is_plain_ && wire_contract::is_present_here(options_.domain, options_.name_space, options_.interface);
     if (!is_here) return std::min({Clock::now() + kFirstHelloPeriod, began + 3 * wait_, deadline_if_found});
-    // A crowd that is over leaves behind what DDS has yet to say again.
+    // After an overload DDS still has messages to retransmit.
     return std::min(began + kCrowdPatience * wait_, std::max(deadline_if_found, Clock::now() + kAfterCrowd));
   }
 
@@ -194,7 +193,7 @@ bool Connection::greet(Clock::time_point deadline, Clock::time_point deadline_if
     if (!replies.empty()) {
       const std::uint64_t server = (**replies.front()).server;
       know_server_by(*replies.front());
-      // Of two that answered, the first one counts.
+      // If two servers answered, the first one counts.
       for (const auto& reply : replies)
         static_cast<void>(is_from_server(reply_reader_, reply->info(), (*reply)->server));
       greeted_server_[query_writers_.place_of(right)].store(server, std::memory_order_release);
@@ -217,7 +216,7 @@ Error Connection::no_server(nanoseconds waited) {
     hint =
         "a server of that namespace runs on this machine and was not heard: it may have another --interface, keys or a "
         "configuration of DDS of its own, or this machine has more to do than it can";
-  // More than was asked for is waited only for a server that may be there: then it is said how long.
+  // Waits longer than requested only if a server may exist; the message then states the time.
   const nanoseconds most = std::max(options_.wait, nanoseconds(0));
   const bool is_longer = waited > most + kSoon;
   return {ErrorCode::no_server,
@@ -233,22 +232,22 @@ Error Connection::disconnected() const {
       "it has stopped, hangs or is cut off; the connection resumes by itself when it is back"};
 }
 
-/// Whether the server is silent and not only starved: on a machine with more to do than it can, neither its word nor our
-/// hearing of it need come in time. A server on another machine is gone when it is silent, and so is a replica: another one
-/// can be asked.
+/// True if the server is silent and not merely starved: on an overloaded machine its messages may be late, and so may
+/// their reception. A silent server on another machine counts as gone, and so does a replica, since another server can
+/// be asked.
 bool Connection::is_gone() const {
   if (!pulse_.silent()) return false;
   if (is_beside_) return true;
   if (options_.interface != "lo" || Clock::now() - pulse_.last_heard() >= nanoseconds(wire_contract::kForgottenNs))
     return true;
-  // Until its first status the server has only said hello: who it is here is not known yet.
+  // Before its first status the server's process number is unknown.
   return pulse_.pid() == 0 ? !is_machine_crowded() : !runs_here(pulse_.pid(), "collided");
 }
 
 bool Connection::is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info, std::uint64_t server) {
   const KnownServer::Origin origin =
       known_server_.origin_of(reader.get(), info.publication_handle, pulse_.may_have_heir());
-  // A process may run one server after the other.
+  // A process may run several servers in succession.
   if (origin == KnownServer::Origin::server && server == pulse_.server()) pulse_.hear_message();
   return origin != KnownServer::Origin::stranger;
 }
@@ -263,7 +262,7 @@ bool Connection::is_from_server(const dds::ReaderBase& reader, const dds_sample_
   return is_from_server(reader, info, server);
 }
 
-/// A server that speaks while the known one is silent has taken its place.
+/// A server that publishes while the known one is silent has replaced it.
 bool Connection::is_from_server_or_its_heir(const dds::Sample<wire::Status>& status) {
   const dds_sample_info_t& info = status.info();
   if (pulse_.is_heir(*status)) known_server_.greeted(status_reader_.get(), info.publication_handle);

@@ -32,11 +32,11 @@ struct WriteBarrier {
 class Connection {
  public:
   /// Joins the domain and waits until a server answers hello.
-  /// role  `server` makes other clients find this process too, which is needed to hear them
+  /// role  `server` lets other clients discover this process too, which is needed to receive from them
   static Result<std::shared_ptr<Connection>> open(const ConnectOptions& options, dds::Role role = dds::Role::client);
 
-  /// A connection to a replica of that one's server, in the same process; null where none answers by then. It gives up
-  /// sooner than others: there is somebody else who can be asked.
+  /// Opens a connection to a replica of the primary's server, on the same participant; null if it does not answer
+  /// within `wait`. It gives up sooner than other connections, since another server can be asked.
   static std::shared_ptr<Connection> open_beside(const Connection& primary, const std::string& name_space,
                                                  std::chrono::nanoseconds wait);
   ~Connection();
@@ -48,47 +48,48 @@ class Connection {
   std::uint64_t client() const { return client_; }
   Requests& requests() { return requests_; }
   Names& names() { return names_; }
-  /// Null: the server of this connection alone is asked.
+  /// Null: only the server of this connection is asked.
   Route* route() { return route_.get(); }
   ServerPulse& pulse() { return pulse_; }
   const ServerPulse& pulse() const { return pulse_; }
-  /// Whether a sample that this reader took was written by the server, which then lives. Any thread, DDS's too.
+  /// True if the server wrote a sample that this reader took; that shows it is alive. Any thread, DDS's too.
   ///
-  /// server  whose it is, as it says
+  /// server  the sender according to the sample
   bool is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info, std::uint64_t server);
-  /// Likewise, of a sample that says its epoch. Where the known server is silent, one of a greater epoch is its heir's, also
-  /// if the heir's status comes later: a server that stood still, and goes on in between, is heard no more.
+  /// The same for a sample with an epoch. If the known server is silent, a sample with a greater epoch is from its
+  /// heir, even before the heir's status arrives. If the old server resumes in between, it is ignored.
   bool is_from_server(const dds::ReaderBase& reader, const dds_sample_info_t& info, std::uint64_t server,
                       std::uint64_t epoch);
 
-  /// What others wrote on the server's topics.
+  /// Messages of other processes on the server's topics.
   Strangers strangers() const { return {.samples = known_server_.refused(), .speak_now = known_server_.has_rival()}; }
 
   using QueryRight = wire_contract::QueryRight;
-  /// Makes sure that what needs this right can be sent: greets a server that is new to this client, by the way that it
-  /// will go. The error where none answers.
+  /// Ensures that queries with this right can be sent: greets a server that is new to this client, through the same
+  /// writer. Returns the error if none answers.
   std::optional<Error> ready(Clock::time_point deadline, QueryRight right = QueryRight::ask);
-  /// Sets this client's number and sends. The error where the keys do not give the right, or the server takes no more
-  /// messages.
+  /// Sets this client's number and sends. Returns the error if the keys do not grant the right, or the server accepts
+  /// no more messages.
   std::optional<Error> send(wire::Query& query, QueryRight right = QueryRight::ask);
-  /// What wait() returns: the replies, or the error.
+  /// The result of wait(): the replies, or the error.
   struct Waited {
     const std::vector<SamplePool<wire::Reply>::Pointer>* replies = nullptr;
     std::optional<Error> error = {};
   };
-  /// Waits for replies to a request. Returns the error where `deadline` passes, or the server falls silent or is no
-  /// longer `server`. `what` begins the error.
+  /// Waits for replies to a request. Returns the error if `deadline` passes, or the server falls silent or is no longer
+  /// `server`. `what` begins the error.
   Waited wait(Requests::Running& request, Clock::time_point deadline, std::uint64_t server, const std::string& what);
 
-  /// The error that says since when the server has been silent.
+  /// The error that states how long the server has been silent.
   Error disconnected() const;
-  /// The newest message of any of this connection's publishers, as note_write() was told.
+  /// The newest message of any of this connection's publishers, as passed to note_write().
   WriteBarrier last_write() const;
   void note_write(const WriteBarrier& barrier);
 
  private:
   Connection(const ConnectOptions& options, std::shared_ptr<dds::Participant> participant, bool is_beside = false);
-  /// Says hello until a server answers. False where none does by `deadline`, or, once its reader was found, by the other.
+  /// Repeats hello until a server answers. False if none does by `deadline` or, after its reader was matched, by
+  /// `deadline_if_found`.
   bool greet(Clock::time_point deadline, Clock::time_point deadline_if_found, QueryRight right);
   bool is_from_server_or_its_heir(const dds::Sample<wire::Status>& status);
   Error no_server(std::chrono::nanoseconds waited);
@@ -101,19 +102,19 @@ class Connection {
   using EarlyStatuses = std::map<std::uint64_t, dds::Sample<wire::Status>>;  // by the reader's handle of the writer
   ConnectOptions options_;
   std::shared_ptr<dds::Participant> participant_;
-  const bool is_beside_;  // it is to a replica
+  const bool is_beside_;  // a connection to a replica
   std::uint64_t client_;
   Requests requests_;
   Names names_;
   ServerPulse pulse_;
-  KnownServer known_server_;  // before the first greeting its readers may not be made yet, and all is taken
+  KnownServer known_server_;  // before the first greeting its readers may not exist yet, and all samples are accepted
   dds::Sample<wire::Status> incoming_status_;
   std::mutex early_mutex_;
-  EarlyStatuses early_;  // from before somebody has answered hello
+  EarlyStatuses early_;  // from before the first reply to hello
   std::unique_ptr<Route> route_;
   std::mutex greeting_mutex_;
   std::array<std::atomic<std::uint64_t>, wire_contract::kQueryRights.size()>
-      greeted_server_{};  // by the writer's place
+      greeted_server_{};  // by the writer's index
   mutable std::mutex barrier_mutex_;
   WriteBarrier last_write_;
 
@@ -125,7 +126,7 @@ class Connection {
   QueryWriters query_writers_;
 };
 
-/// A random number that identifies a client or publisher among all processes. Never 0.
+/// Returns a random number, never 0, that identifies a client or publisher among all processes.
 std::uint64_t random_number();
 
 }  // namespace collided::client

@@ -3,7 +3,7 @@
 #include "collided/client.hpp"
 #include "idl/described.hpp"
 
-/// A server's status by the names that `collide status --json` and the page have for its members.
+/// A server's status as JSON, with the names of `collide status --json` and the page.
 namespace collided {
 
 constexpr auto fields_of(const PublisherInfo*) {

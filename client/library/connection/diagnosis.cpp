@@ -28,13 +28,13 @@ using std::chrono::milliseconds;
 using std::chrono::nanoseconds;
 
 nanoseconds rounded(nanoseconds time) {
-  // Such a measurement is good for three digits at most.
+  // Such a measurement has at most three significant digits.
   std::int64_t unit = 1;
   while (std::abs(time.count()) / unit >= 1'000) unit *= 10;
   return nanoseconds(time.count() / unit * unit);
 }
 
-/// The servers that send statuses on this namespace. It listens long enough for every server, however busy, to send
+/// The servers that send statuses on this namespace. It collects long enough for every server, however busy, to send
 /// two.
 class Servers {
  public:
@@ -43,7 +43,7 @@ class Servers {
     std::string version;
     std::uint32_t heard = 0;
     nanoseconds step_lasting{0};                                      // as of the newest status
-    std::int64_t skew_ns = std::numeric_limits<std::int64_t>::max();  // here minus there, of the quickest status
+    std::int64_t skew_ns = std::numeric_limits<std::int64_t>::max();  // local minus remote clock, by the fastest status
   };
 
   explicit Servers(const Connection& connection)
@@ -55,7 +55,7 @@ class Servers {
       waitset.wait(std::max<std::int64_t>(0, nanoseconds(deadline - Clock::now()).count()));
       take();
     }
-    // DDS may still deliver the last status of a server that has ended.
+    // DDS may still deliver the last status of an ended server.
     std::erase_if(servers_, [](const auto& entry) { return entry.second.heard < 2; });
   }
   const std::map<std::uint64_t, SeenServer>& all() const { return servers_; }
@@ -69,7 +69,7 @@ class Servers {
       server.pid = status->pid;
       server.version = status->server_version;
       server.step_lasting = nanoseconds(wire::busy_ns(*status));
-      // The first one may have been sent long before it was received here.
+      // The first one may have been sent long before its receipt.
       if (++server.heard > 1)
         server.skew_ns = std::min(server.skew_ns, wire_contract::since_1970_ns() - status.info().source_timestamp);
     }
@@ -99,7 +99,7 @@ Finding no_server_finding(const Error& error) {
   return {Health::fail, "server", error.message, remedy};
 }
 
-/// A step that lasts: questions are answered, but about the state before it.
+/// Reports a long step: questions are answered, but about the state before it.
 std::optional<Finding> busy_finding(const std::map<std::uint64_t, Servers::SeenServer>& servers) {
   constexpr nanoseconds kLong = milliseconds(500);
   for (const auto& [number, server] : servers) {
@@ -115,7 +115,7 @@ std::optional<Finding> busy_finding(const std::map<std::uint64_t, Servers::SeenS
 std::optional<Finding> clock_finding(const std::map<std::uint64_t, Servers::SeenServer>& servers) {
   if (servers.size() != 1 || servers.begin()->second.skew_ns == std::numeric_limits<std::int64_t>::max())
     return std::nullopt;
-  constexpr nanoseconds kNoticed = milliseconds(20);  // ages and times of events are shown to the millisecond
+  constexpr nanoseconds kNoticed = milliseconds(20);  // ages and event times are shown to the millisecond
   const nanoseconds skew(servers.begin()->second.skew_ns);
   if (skew < kNoticed && skew > -kNoticed) {
     return Finding{Health::ok, "clock", "clock skew below " + words(rounded(std::max(skew, -skew))), ""};
@@ -131,8 +131,8 @@ std::string tenths_of_ms(std::int64_t ns) {
   return std::to_string(tenths / 10) + '.' + std::to_string(tenths % 10) + " ms";
 }
 
-/// Compares how long after their stamps the server receives the batches of different publishers. Transport times differ
-/// little, so a large difference means that clocks differ, or that a publisher stamps poses that are old.
+/// Compares the delays between stamp and receipt for batches of different publishers. Transport times differ little, so
+/// a large difference means that clocks differ, or that a publisher sends old poses.
 std::optional<Finding> publisher_clocks_finding(Connection& connection) {
   constexpr std::int64_t kNoticedNs = 5'000'000;
   constexpr const char* kFigures = wire_contract::command::kFigures;
@@ -200,7 +200,7 @@ Finding losses_finding(std::uint64_t dropped) {
           "larger receive buffers, fewer programs, or smaller batches"};
 }
 
-/// Two servers that say so are found by their statuses; this finds also who only answers in the server's place.
+/// Statuses reveal a second server; this also reveals a process that only answers in the server's place.
 std::optional<Finding> strangers_finding(const Strangers& strangers, std::size_t servers) {
   if (servers != 1 || !strangers.speak_now) return std::nullopt;
   return Finding{Health::warn, "strangers",

@@ -6,15 +6,15 @@
 #include "collided/client.hpp"
 #include "idl/dds.hpp"
 
-/// Errors that say where, what, value, limit and consequence, and numbers as text for them.
+/// Errors with place, fault, value, limit and consequence, and numbers as text for them.
 namespace collided::client {
 
-/// The consequence where the arguments were refused.
+/// The consequence of refused arguments.
 inline constexpr const char* kNothingSent = "nothing was sent";
 
 Error bad_input(std::string message, std::string hint = kNothingSent);
 
-/// What DDS could not do; `refused` where the keys do not give the right to it.
+/// The error for a failure of DDS; `refused` if the keys do not grant the right.
 Error failure_of(const dds::DdsError& failed);
 
 /// The shortest digits that read back as the same number: "0.1", "nan", "-inf".

@@ -23,10 +23,10 @@ using std::chrono::nanoseconds;
 
 constexpr milliseconds kFirstLook{2};
 constexpr milliseconds kLastLook{100};
-constexpr int kTurnPatience = 30;  // times what is waited for a server at all
+constexpr int kTurnPatience = 30;  // factor on the wait for a server
 
-/// Whether a socket got one of the domain's names. Those begin with a zero byte and are in no file system: nothing of
-/// them is left.
+/// Whether a socket got one of the domain's names. The names are abstract (they begin with a zero byte), so they leave
+/// no files.
 enum class Bound : std::uint8_t { yes, all_taken, impossible };
 
 Bound bind_one(int socket, int domain) {
@@ -52,7 +52,7 @@ GreetingTurn::GreetingTurn(const ConnectOptions& options) {
   if (socket < 0) return;
   const Clock::time_point began = Clock::now();
   const nanoseconds patience = std::max(options.wait, nanoseconds(0));
-  std::minstd_rand random(std::random_device{}());  // those that wait look at different times
+  std::minstd_rand random(std::random_device{}());  // waiting programs poll at different times
   milliseconds look = kFirstLook;
   while (true) {
     const Bound bound = bind_one(socket, options.domain);

@@ -6,30 +6,30 @@
 
 namespace collided::client {
 
-/// A turn among the programs of this machine that are about to find a server of one domain. Each that joins is told of by
-/// DDS to all that have joined, several times over, and fifty that join at once leave no time for the server to answer
-/// any of them. So a few join at a time, and the others wait without having joined. One that has died gives its turn back.
+/// A turn for joining a domain, among the programs of this machine. DDS announces every new participant to all others,
+/// repeatedly, so fifty programs that join at once leave the server no time to answer any of them. Therefore a few join
+/// at a time, and the others wait without having joined. A program that dies releases its turn.
 ///
-/// Nothing depends on it but how soon a server is found: who has waited long enough joins without a turn, and so does
-/// whoever asks a server of another machine. Any program of the machine can keep others waiting for so long.
+/// It affects only how soon a server is found. A program that has waited long enough joins without a turn, and so does
+/// one whose server is on another machine. Any program of the machine can delay others up to this time.
 ///
 /// threads  any
 class GreetingTurn {
  public:
-  /// Waits for a turn: for options.wait at most, without options.wait_is_limit on a crowded machine (see
-  /// is_machine_crowded()) longer.
+  /// Waits for a turn, at most options.wait; longer on a crowded machine (is_machine_crowded()) without
+  /// options.wait_is_limit.
   explicit GreetingTurn(const ConnectOptions& options);
   ~GreetingTurn();
   GreetingTurn(const GreetingTurn&) = delete;
   GreetingTurn& operator=(const GreetingTurn&) = delete;
 
-  /// How many have a turn at a time.
+  /// Number of simultaneous turns.
   static unsigned count();
-  /// Whether this one got a turn.
+  /// True if it got a turn.
   bool is_taken() const { return socket_ >= 0; }
 
  private:
-  int socket_ = -1;  // whose name is the turn: the system takes it back from whoever ends
+  int socket_ = -1;  // its name is the turn, which the system frees when the process ends
 };
 
 }  // namespace collided::client

@@ -14,7 +14,7 @@ KnownServer::Origin KnownServer::origin_of(dds_entity_t reader, dds_instance_han
   }
   if (is_silent) return Origin::unknown;
   refused_.fetch_add(1, std::memory_order_relaxed);
-  // Of a writer that is gone by now nobody knows whose it was.
+  // The participant of a writer that no longer exists is unknown.
   if (participant != 0) is_rival_due_.store(true, std::memory_order_relaxed);
   return Origin::stranger;
 }
@@ -27,7 +27,7 @@ void KnownServer::greeted(dds_entity_t reader, dds_instance_handle_t writer) {
 
 std::uint64_t KnownServer::participant_of(dds_entity_t reader, dds_instance_handle_t writer) {
   const std::lock_guard lock(mutex_);
-  // More writers than a server has, several times over: those of servers that are gone.
+  // Several times the number of a server's writers; the excess belongs to ended servers.
   constexpr std::size_t kMost = 1'024;
   if (participants_.size() > kMost) participants_.clear();
   const auto [known, is_new] = participants_.try_emplace({reader, writer}, 0);

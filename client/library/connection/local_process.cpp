@@ -22,7 +22,7 @@ bool runs_here(std::uint32_t pid, const char* program) {
   if (!file) return false;
   char text[256];
   const std::string stat(text, std::fread(text, 1, sizeof text, file.get()));
-  // "4711 (collided) S ...": the name may hold anything, so its end is the last bracket.
+  // "4711 (collided) S ...": the name may contain brackets, so its end is the last one.
   const std::size_t open = stat.find('('), close = stat.rfind(')');
   if (open == std::string::npos || close == std::string::npos || close + 2 >= stat.size()) return false;
   const char state = stat[close + 2];
@@ -33,7 +33,7 @@ bool is_machine_crowded() {
   constexpr unsigned kOfEach = 3;
   const File file(std::fopen("/proc/loadavg", "re"));
   unsigned runnable = 0;
-  // "0.20 0.18 0.12 3/412 11206": of 412 threads 3 could run.
+  // "0.20 0.18 0.12 3/412 11206": 3 of 412 threads are runnable.
   return file && std::fscanf(file.get(), "%*s %*s %*s %u/", &runnable) == 1 &&
          runnable >= kOfEach * std::max(1U, std::thread::hardware_concurrency());
 }

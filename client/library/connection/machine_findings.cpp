@@ -54,7 +54,7 @@ void add_udp_ports(const char* path, std::set<unsigned>& ports) {
   }
 }
 
-/// How many servers of the domain, of whatever namespace, this machine has; 0 also where it does not tell.
+/// Number of servers of the domain on this machine, in any namespace; also 0 if unknown.
 unsigned places_taken(int domain) {
   // Unicast discovery port of participant i; source: OMG, "DDS Interoperability Wire Protocol" 2.2, 9.6.1.1.
   const unsigned first = 7'400U + 250U * static_cast<unsigned>(domain) + 10U;
@@ -86,14 +86,14 @@ std::optional<Finding> interface_finding(const std::string& interface) {
 }
 
 std::optional<Finding> buffer_finding() {
-  constexpr std::uint64_t kAsked = 8 << 20;  // what dds.cpp asks for
+  constexpr std::uint64_t kAsked = 8 << 20;  // the size that dds.cpp requests
   constexpr std::uint64_t kPoseBytes = 60;   // in a batch
   const std::optional<std::uint64_t> most = number_in("/proc/sys/net/core/rmem_max");
   if (!most) return std::nullopt;
   const std::string size = "receive buffer up to " + std::to_string(*most) + " B";
   constexpr std::uint64_t kEnough = 1 << 20;  // a whole sample
   if (*most >= kEnough) return Finding{Health::ok, "buffer", size, ""};
-  // The kernel counts its own bookkeeping too, about as much again.
+  // The kernel also counts its overhead, which about doubles the size.
   return Finding{Health::warn, "buffer",
                  size + "; bursts above " + std::to_string(*most / 2 / kPoseBytes) + " poses may drop",
                  "sysctl -w net.core.rmem_max=" + std::to_string(kAsked)};

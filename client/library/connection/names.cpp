@@ -8,7 +8,7 @@
 
 namespace collided::client {
 
-/// The slot, with a bit above it for a fence's.
+/// The slot; an additional bit marks a fence's.
 std::uint64_t Names::slot_of(std::uint64_t id) {
   return static_cast<std::uint32_t>(id) | (wire_contract::is_standing_id(id) ? std::uint64_t{1} << 32 : 0);
 }

@@ -8,12 +8,12 @@
 
 namespace collided::client {
 
-/// The names of objects by id, as the server's messages tell them. An id is slot + generation * 2^32, and a slot holds
-/// one object at a time, so one name is kept for each slot: the table is no larger than the server's, however many
-/// objects come and go. Fences have slots of their own. Any thread.
+/// The names of objects by id, from the server's messages. An id is slot + generation * 2^32, and a slot has one object
+/// at a time, so the table keeps one name per slot. It is no larger than the server's, however many objects come and
+/// go. Fences have separate slots. Any thread.
 class Names {
  public:
-  /// `packed` as in topics.hpp: one zero-terminated name an id.
+  /// `packed` as in topics.hpp: one zero-terminated name per id.
   void learn(std::span<const std::uint64_t> ids, std::span<const std::uint8_t> packed);
   /// The name; "#<id>" for an unknown id.
   std::string name(std::uint64_t id) const;

@@ -11,8 +11,8 @@
 
 namespace collided::client {
 
-/// Where a client's queries go: one writer for all of them, or with keys one for each right, since each right is a
-/// partition of its own. These are made when they are first needed: most clients use one or two.
+/// The writers of a client's queries: one for all or, with keys, one for each right, since each right is a separate
+/// partition. These are made on demand; most clients use one or two.
 ///
 /// threads  any
 class QueryWriters {
@@ -20,13 +20,13 @@ class QueryWriters {
   /// keys  the client's folder; empty: none
   QueryWriters(const dds::Participant& participant, const std::string& name_space, std::string keys);
 
-  /// Makes the writer of this right. The error where the keys do not give it.
+  /// Makes the writer of this right. Returns the error if the keys do not grant it.
   std::optional<Error> open(wire_contract::QueryRight right);
-  /// Writes. The error where the keys do not give the right, or the server takes no more messages.
+  /// Writes. Returns the error if the keys do not grant the right, or the server accepts no more messages.
   std::optional<Error> write(const wire::Query& query, wire_contract::QueryRight right);
-  /// How many readers the writer of greetings has.
+  /// Number of readers of the writer for greetings.
   std::uint32_t matched_readers();
-  /// Rights of the same place share a writer.
+  /// Index of a right's writer; without keys all rights share one.
   std::size_t place_of(wire_contract::QueryRight right) const;
 
  private:
@@ -35,7 +35,7 @@ class QueryWriters {
 
   const std::string keys_;
   dds::Topic<wire::Query> topic_;
-  std::mutex mutex_;  // guards which are made; a writer that is stays
+  std::mutex mutex_;  // guards the creation of writers; an existing writer stays
   std::array<std::optional<dds::Writer<wire::Query>>, wire_contract::kQueryRights.size()> writers_;
 };
 

@@ -15,8 +15,8 @@
 
 namespace collided::client {
 
-/// The requests that wait for replies. A request's number is made of its slot and of a count that grows with every use
-/// of the slot: so a reply finds its slot without a search, and a reply to a request that has given up matches none.
+/// The requests that wait for replies. A request's number consists of its slot and a count that grows with every use of
+/// the slot. A reply therefore finds its slot without a search, and a reply to an abandoned request matches none.
 ///
 /// threads  any
 class Requests {
@@ -26,7 +26,7 @@ class Requests {
     std::uint64_t request = 0;  // 0: none
     std::atomic<bool> has_replies{false};
     std::vector<SamplePool<wire::Reply>::Pointer> replies;
-    dds::Sample<wire::Query> query;  // the slot keeps the memory of these three
+    dds::Sample<wire::Query> query;  // the slot reuses the memory of these three
     std::vector<double> numbers;
     std::vector<double> columns;
   };
@@ -34,7 +34,7 @@ class Requests {
  public:
   static constexpr std::size_t kMost = 1'024;  // requests at a time
 
-  /// One request that waits for replies. Once it is destroyed, replies to it are dropped. For one thread at a time.
+  /// A request that waits for replies. After its destruction, replies to it are dropped. For one thread at a time.
   class Running {
    public:
     Running(Requests& requests, Slot& slot, std::uint64_t number) : requests_(requests), slot_(slot), number_(number) {}
@@ -43,14 +43,14 @@ class Requests {
     Running& operator=(const Running&) = delete;
 
     std::uint64_t number() const { return number_; }
-    /// The sample to send. Its fields have what an earlier request left: set them all.
+    /// The sample to send. Set all its fields, which have the values of an earlier request.
     wire::Query& query() { return *slot_.query; }
     /// Memory for the numbers of a chunk, by question and by column.
     std::vector<double>& numbers() { return slot_.numbers; }
     std::vector<double>& columns() { return slot_.columns; }
-    /// Says that the replies will take long, so wait() sleeps at once.
+    /// Makes wait() sleep at once, for replies that take long.
     void sleep_while_waiting() { spins_ = false; }
-    /// The replies that came since the last call. Waits for one; empty if none comes before `deadline`.
+    /// Returns the replies since the last call. Waits for the first; empty if none comes before `deadline`.
     const std::vector<SamplePool<wire::Reply>::Pointer>& wait(Clock::time_point deadline);
 
    private:
@@ -63,10 +63,10 @@ class Requests {
   };
 
   using IsFromServer = std::function<bool(const dds::Sample<wire::Reply>&)>;
-  /// client          the client whose replies are taken; those of others in its partition are ignored
-  /// is_from_server  whether the server wrote the reply; others' are ignored
+  /// client          the client to which replies must be addressed; others in its partition are ignored
+  /// is_from_server  true if the server wrote the reply; others are ignored
   Requests(std::uint64_t client, IsFromServer is_from_server);
-  /// Begins a request; null where kMost are waiting already.
+  /// Begins a request; null if kMost are waiting.
   std::unique_ptr<Running> begin();
   /// For the reply reader's callback: takes all samples and wakes the threads that wait for them.
   void take_replies(const dds::Taker<wire::Reply>& taker);
@@ -85,7 +85,7 @@ class Requests {
   std::vector<std::uint64_t> uses_;
   SamplePool<wire::Reply> pool_;
   ShortSpin spin_;
-  std::array<SamplePool<wire::Reply>::Pointer, 4> next_;  // the callback's own
+  std::array<SamplePool<wire::Reply>::Pointer, 4> next_;  // used only by the callback
 };
 
 }  // namespace collided::client

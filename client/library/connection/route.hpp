@@ -12,8 +12,8 @@ namespace collided::client {
 
 class Connection;
 
-/// The way of a client's questions to the servers that hold one world: its primary and whoever else can answer. This is
-/// all that the core of the library knows of a fleet.
+/// Routes a client's questions to the servers of one world: the primary and its replicas. It is the only interface of
+/// the library's core to a fleet.
 ///
 /// threads  any
 class Route {
@@ -23,22 +23,23 @@ class Route {
 
   virtual ~Route() = default;
 
-  /// Other servers write the namespace's status: from the next question on they are looked for.
+  /// Notes that other servers publish on the namespace; from the next question on they are looked for.
   virtual void note_company() = 0;
-  /// Whether there may be a server beside the primary. If not, the primary is asked without this class.
+  /// True if there may be a server in addition to the primary. If not, the primary is asked without this class.
   virtual bool has_company() const = 0;
 
-  /// Asks one server after the other until one has a good answer.
+  /// Asks one server after the other until one gives a usable answer.
   ///
-  /// answers   are what a call of `once` without an error has filled in
-  /// deadline  of the whole question
+  /// answers   filled in by a call of `once` without an error
+  /// deadline  for the whole question
   /// returns   the error of the server that was asked last
   virtual std::optional<Error> ask(const AskOnce& once, const AskOptions& options, const Answers& answers,
                                    Clock::time_point deadline) = 0;
 
-  /// A command of this client has changed the world by this world time. Questions after it are answered with that change.
+  /// Notes that a command of this client has changed the world by this world time. Answers to later questions include
+  /// the change.
   virtual void note_change(std::int64_t world_time_ns) = 0;
-  /// A command failed, and may have been carried out.
+  /// Notes that a command failed but may have been executed.
   virtual void note_possible_change() = 0;
 
  protected:

@@ -8,13 +8,13 @@
 
 namespace collided::client {
 
-/// Samples whose buffers are reused, so that taking a message of usual size does not allocate. Any thread.
+/// A pool of samples with reused buffers, so that taking a message of usual size does not allocate. Any thread.
 template <class T>
 class SamplePool {
  public:
   using Pointer = std::unique_ptr<dds::Sample<T>>;
 
-  /// A sample, which may hold an old message.
+  /// Returns a sample, which may contain an old message.
   Pointer get() {
     const std::lock_guard lock(mutex_);
     if (idle_.empty()) { return std::make_unique<dds::Sample<T>>(); }

@@ -23,7 +23,7 @@ std::vector<PublisherInfo> decode_publishers(const wire::Status& status) {
   const auto silent = dds::view(status.silent_ns);
   const auto states = dds::view(status.publisher_states);
   std::size_t count = std::min({names.size(), applied.size(), silent.size(), states.size()});
-  // The last one is the world's own.
+  // The last entry is that of the world.
   if (wire::busy_ns(status) > 0) count = std::min(count, silent.size() - 1);
   std::vector<PublisherInfo> publishers;
   for (std::size_t i = 0; i < count; ++i) {
@@ -78,7 +78,7 @@ void ServerPulse::hear(dds::Sample<wire::Status>& status) {
   server_.store(status->server, std::memory_order_release);
   pid_.store(status->pid, std::memory_order_relaxed);
   last_heard_ns_.store(now_ns(), std::memory_order_relaxed);
-  // A status that is only late on a crowded machine is followed by the next one soon.
+  // After a status that is merely late, on a crowded machine, the next one follows soon.
   is_busy_.store(wire::busy_ns(*status) > wire_contract::kStatusLostNs, std::memory_order_relaxed);
   if (is_busy()) last_busy_ns_.store(now_ns(), std::memory_order_relaxed);
   {
@@ -103,7 +103,7 @@ bool ServerPulse::is_heir(const wire::Status& status) const {
 
 void ServerPulse::greeted(std::uint64_t server, std::uint64_t epoch) {
   epoch_.store(epoch, std::memory_order_relaxed);
-  is_stopping_.store(false, std::memory_order_relaxed);  // whoever did was another one, or it would not have answered
+  is_stopping_.store(false, std::memory_order_relaxed);  // a server that stops does not answer: another one did
   server_.store(server, std::memory_order_release);
   hear_message();
 }

@@ -22,61 +22,61 @@ std::string state_name(std::uint8_t state);
 /// A status as users see it, with an age of 0.
 ServerStatus decode_status(const wire::Status& status);
 
-/// Which server a connection talks to, its newest status, and how long it has been silent.
+/// The server of a connection, its newest status, and the duration of its silence.
 ///
-/// threads  any; hear() is for the status reader's callback, and before that counts for whoever greets
+/// threads  any; hear() is for the status reader's callback, and before the first greeting for the greeting thread
 class ServerPulse {
  public:
   using Observer = std::function<void(const wire::Status&)>;
 
-  /// Takes a status. That of another server counts only where it is an heir's, so that two servers on one namespace are
-  /// not mixed up.
+  /// Takes a status. Another server's counts only if that is an heir, so that two servers on one namespace are not
+  /// mixed up.
   void hear(dds::Sample<wire::Status>& status);
-  /// Whether the status is that of a server that has taken the place of the known one, which is silent. A smaller epoch
-  /// is an earlier server's, which may have been stopped and goes on: it counts only once nobody else has spoken for long.
+  /// True if the status is from a server that has replaced the known one, which is silent. A smaller epoch is that of
+  /// an earlier server, which may have been suspended and resumed: it counts only after a long silence of all others.
   bool is_heir(const wire::Status& status) const;
-  /// Any message of the server shows that it is alive, too.
+  /// Notes another message of the server, which also shows that it is alive.
   void hear_message() { last_heard_ns_.store(now_ns(), std::memory_order_relaxed); }
-  /// This server has answered hello.
+  /// Notes the server that has answered hello.
   void greeted(std::uint64_t server, std::uint64_t epoch);
 
-  /// The server's number; 0 before anything was heard.
+  /// The server's number; 0 before the first message.
   std::uint64_t server() const { return server_.load(std::memory_order_acquire); }
-  /// That server's epoch. What has a smaller one is of the past.
+  /// That server's epoch. Messages with a smaller one are outdated.
   std::uint64_t epoch() const { return epoch_.load(std::memory_order_relaxed); }
   Clock::time_point last_heard() const;
   /// The server's process, on its machine; 0 before the first status.
   std::uint32_t pid() const { return pid_.load(std::memory_order_relaxed); }
-  /// Whether it says that everything is there that it knows of.
+  /// True if it reports the state `ready`.
   bool is_ready() const { return is_ready_.load(std::memory_order_relaxed); }
-  /// Whether nothing has been heard for kStatusLostNs.
+  /// True if there was no message for kStatusLostNs.
   bool silent() const;
-  /// Whether its world has been at one step for longer than kStatusLostNs, by the newest status: it lives, and applies
-  /// nothing meanwhile.
+  /// True if, by the newest status, its world has been in one step for longer than kStatusLostNs: the server is alive,
+  /// but applies nothing meanwhile.
   bool is_busy() const { return is_busy_.load(std::memory_order_relaxed); }
-  /// When its world was busy last, by its statuses.
+  /// When its world was last busy, by its statuses.
   Clock::time_point last_busy() const;
-  /// Whether another server may have taken the known one's place.
+  /// True if another server may have replaced the known one.
   bool may_have_heir() const;
-  /// How often no status came for so long (wire_contract::kForgottenNs) that DDS may have forgotten the server's
-  /// readers, and with them what they had yet to receive.
+  /// Number of gaps between statuses so long (wire_contract::kForgottenNs) that DDS may have dropped the server's
+  /// readers and the messages in flight to them.
   std::uint64_t outages() const { return outages_.load(std::memory_order_acquire); }
 
   /// The newest status; nothing before the first one.
   std::optional<ServerStatus> status() const;
-  /// A publisher according to the newest status; nothing where it does not have it.
+  /// A publisher according to the newest status; nothing if it is not listed.
   struct PublisherView {
     std::uint64_t applied_sequence = 0;
     bool lost = false;
-    bool asked = false;  // to define everything again
+    bool asked = false;  // the server requests that it define everything again
   };
   std::optional<PublisherView> publisher(std::uint64_t publisher) const;
-  /// Waits for the next status; false where `deadline` comes first.
+  /// Waits for the next status; false if `deadline` comes first.
   bool wait_for_status(Clock::time_point deadline) const;
 
-  /// Calls the observer with every status that counts, on DDS's receive thread. Returns its number for stop_observing.
+  /// Calls the observer with every accepted status, on DDS's receive thread. Returns its number for stop_observing.
   int observe(Observer observer);
-  /// Removes an observer. When this returns, it is not running and will not run.
+  /// Removes an observer. After the return it is not running and will not run.
   void stop_observing(int observer);
 
  private:

@@ -9,7 +9,7 @@ namespace collided::client {
 namespace {
 
 struct Joined {
-  bool open = false;  // true until the participant's destructor has returned, not only until its last owner let go
+  bool open = false;  // true until the participant's destructor has returned, later than the last owner's release
   std::weak_ptr<dds::Participant> participant;
   std::string interface;
   std::vector<std::string> peers;
@@ -61,7 +61,7 @@ std::shared_ptr<dds::Participant> join_domain(const ConnectOptions& options, dds
       }
       return participant;
     }
-    registry().closed.wait(lock);  // Cyclone refuses a domain that is still being torn down
+    registry().closed.wait(lock);  // Cyclone refuses a domain during its teardown
   }
   const dds::ParticipantOptions joining{.domain = options.domain,
                                         .role = role,

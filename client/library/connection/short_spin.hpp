@@ -7,18 +7,18 @@
 
 namespace collided::client {
 
-/// Waits actively for something that mostly arrives within microseconds, before the caller goes to sleep for it: being
-/// woken would take longer than that.
+/// Waits actively for an event that mostly arrives within microseconds, before the caller sleeps: waking up would take
+/// longer.
 ///
-/// Meanwhile it yields the processor, since the thread that brings the answer may need it: a pause instruction instead
-/// is 1 to 3 us slower a round trip on two processors. After a wait in vain it skips the next waits, twice as many each
-/// time, and hundreds where another process took the processor and kept it. So a loaded machine or one with a single
-/// processor loses less than a hundredth of a round trip's time.
+/// It yields the processor, since the thread with the answer may need it; a pause instruction is 1 to 3 us slower per
+/// round trip on two processors. After a wait in vain it skips the next waits, twice as many each time, and hundreds if
+/// another process took and kept the processor. Thus a loaded or single-processor machine loses less than a hundredth
+/// of a round trip's time.
 ///
 /// threads  any
 class ShortSpin {
  public:
-  /// Returns when arrived() is true, after 80 us, at the deadline, or at once where it skips.
+  /// Returns when arrived() is true, after 80 us, at the deadline, or at once if it skips.
   template <class Arrived>
   void wait(std::chrono::steady_clock::time_point deadline, const Arrived& arrived) {
     if (skip_.load(std::memory_order_relaxed) > 0) {

@@ -7,8 +7,8 @@
 
 namespace collided::client {
 
-/// Waits until condition() is true, calling it every millisecond; false where `deadline` comes first. For what DDS does
-/// not announce, such as whether a reader is matched.
+/// Waits until condition() is true, calling it every millisecond; false if `deadline` comes first. For conditions that
+/// DDS does not announce, such as the match of a reader.
 template <class Condition>
 bool wait_until(Clock::time_point deadline, Condition&& condition) {
   while (!condition()) {

@@ -11,7 +11,7 @@ Workers::~Workers() {
   }
   changed_.notify_all();
   for (std::thread& thread : threads_) {
-    thread.join();  // waiting tasks are still run: their futures may be waited for
+    thread.join();  // waiting tasks still run, since callers may wait for their futures
   }
 }
 

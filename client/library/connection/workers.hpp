@@ -9,15 +9,15 @@
 
 namespace collided::client {
 
-/// A few threads that run tasks in order of arrival. Each thread is started when a task needs it. The destructor waits
+/// A few threads that run tasks in order of arrival. A thread is started when a task needs it. The destructor waits
 /// until all tasks have run. Any thread.
 class Workers {
  public:
-  static constexpr std::size_t kThreads = 4;  // a task waits most of its time, so there may be more than cores
+  static constexpr std::size_t kThreads = 4;  // may exceed the number of cores, since tasks mostly wait
   static constexpr std::size_t kMostWaiting = 1'024;
 
   ~Workers();
-  /// Queues a task; false where kMostWaiting wait already.
+  /// Queues a task; false if kMostWaiting are waiting.
   bool run(std::function<void()> task);
 
  private:

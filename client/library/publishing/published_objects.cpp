@@ -24,7 +24,7 @@ std::optional<Publisher::Object> PublishedObjects::add(ObjectOptions options, st
   object.shape = std::move(shape);
   object.used = true;
   object.waiting = Waiting::no;
-  return number | (object.generation * kMost);  // the count of uses wraps after 4,096
+  return number | (object.generation * kMost);  // the generation wraps after 4,096
 }
 
 void PublishedObjects::remove(Publisher::Object handle) {

@@ -26,15 +26,15 @@ namespace {
 
 constexpr nanoseconds kLeastLease = std::chrono::milliseconds(100);
 constexpr nanoseconds kMostLease = std::chrono::hours(24);
-// Words in a lease: one may be late or lost.
+// Assertions of liveliness per lease: one may be late or lost.
 constexpr int kWordsInLease = 5;
 constexpr nanoseconds kLongestWordPeriod = std::chrono::milliseconds(100);
-// While nothing is flushed, the time is said this often: pairs with other publishers' objects wait for it.
+// Without flushes, the time is sent at this period: pairs with other publishers' objects wait for it.
 constexpr nanoseconds kSaidTimePeriod = std::chrono::milliseconds(250);
 constexpr nanoseconds kLeastGap{wire_contract::kLeastGapNs};
 constexpr nanoseconds kMostGap{wire_contract::kMostGapNs};
 constexpr nanoseconds kLeastCommandTimeout = std::chrono::milliseconds(500);
-// Several statuses: a publisher that the server has taken is listed by then.
+// Several status periods: by then the server lists a publisher that it has accepted.
 constexpr nanoseconds kListedSoon = std::chrono::milliseconds(300);
 constexpr std::int64_t kGoodbyeSliceNs = 10'000'000;
 
@@ -108,7 +108,7 @@ Result<std::unique_ptr<Publisher::State>> Publisher::State::start(std::shared_pt
   }
   try {
     std::unique_ptr<State> state(new State(std::move(connection), name, options));
-    // Batches are volatile: one written before the server's reader is matched would be lost.
+    // Batches are volatile: a batch written before the server's reader is matched would be lost.
     const Clock::time_point deadline = Clock::now() + state->connection_->options().wait;
     const auto is_read = [&] {
       return state->pose_writer_.matched_readers() > 0 && state->object_writer_.matched_readers() > 0;
@@ -121,13 +121,13 @@ Result<std::unique_ptr<Publisher::State>> Publisher::State::start(std::shared_pt
   } catch (const dds::DdsError& failed) { return client::failure_of(failed); }
 }
 
-// A publisher that ends properly is not lost: its objects are removed at once, whatever their LostPolicy.
+// A publisher that ends normally is not lost: its objects are removed at once, regardless of their LostPolicy.
 Publisher::State::~State() {
   try {
     for (std::uint32_t number = 0; number < objects_.numbers_used(); ++number) {
       if (objects_.at(number).used && write_definition(number, objects_.at(number), true)) { break; }
     }
-    // DDS may still wait for a dead server's reader, which acknowledges nothing; the living server's status is enough.
+    // DDS may still wait for a dead server's reader, which acknowledges nothing; the live server's status suffices.
     const Clock::time_point until = Clock::now() + std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs);
     while (!object_writer_.wait_for_acknowledgements(kGoodbyeSliceNs) && !is_applied() && Clock::now() < until) {}
   } catch (const dds::DdsError&) {
@@ -185,7 +185,7 @@ Result<Publisher::Object> Publisher::State::add(const ObjectOptions& options, bo
 Result<Publisher::Object> Publisher::State::claim(const ObjectOptions& options) {
   const std::lock_guard lock(mutex_);
   if (auto error = object_fault(options)) { return *error; }
-  return define(options, {}, false);  // without a shape: that of the object there
+  return define(options, {}, false);  // no shape: keeps that of the object
 }
 
 Result<Publisher::Object> Publisher::State::define(const ObjectOptions& options, std::vector<std::uint8_t> shape,
@@ -271,8 +271,8 @@ void Publisher::State::announce() {
   is_announced_ = true;
 }
 
-/// So that contacts with other publishers' objects need not wait for the next flush. Nothing is known of the user's own
-/// clock, which may be before now.
+/// Sends the time, so that contacts with other publishers' objects need not wait for the next flush. The user's own
+/// clock is unknown; it may be behind now.
 std::optional<Error> Publisher::State::say_time(std::int64_t time_ns) {
   if (time_ns == 0 && has_own_clock_) time_ns = wire_contract::since_1970_ns();
   const bool is_due = time_ns != 0 && Clock::now() - last_instant_ > kSaidTimePeriod;
@@ -311,13 +311,14 @@ std::string Publisher::State::busy_hint() const {
   return "it is busy: a step has lasted " + client::words(floor<std::chrono::milliseconds>(status->step_lasting));
 }
 
-/// How long a question may wait for the world's thread. A deadline that has just passed does not cut off the round trip,
-/// and the publisher must say that it lives long before its lease is over.
+/// How long a question may wait for the world's thread. A deadline that has just passed does not cut off the round
+/// trip, and the publisher must renew its lease long before its end.
 nanoseconds Publisher::State::patience(Clock::time_point deadline) const {
   return std::min(std::max<nanoseconds>(deadline - Clock::now(), kLeastCommandTimeout), lease_ / 2);
 }
 
-/// Applied is also a definition that the server has refused or keeps waiting, so it is asked about those that are new.
+/// A definition that the server has refused or keeps waiting also counts as applied, so new ones are checked by a
+/// question.
 Result<void> Publisher::State::ask_for_left_out(Clock::time_point deadline) {
   std::uint64_t through = 0;
   {
@@ -339,7 +340,8 @@ Result<void> Publisher::State::ask_for_left_out(Clock::time_point deadline) {
   return {};
 }
 
-/// The server lists a publisher with the first status after its first sample. One that is not listed may be refused.
+/// The server lists a publisher in the first status after its first sample. A publisher that is not listed may be
+/// refused.
 std::optional<Error> Publisher::State::why_not_known(Clock::time_point deadline) {
   const Result<PublisherReport> found = report(patience(deadline));
   if (!found || found->refused.empty()) { return std::nullopt; }
@@ -355,7 +357,7 @@ Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
     std::uint64_t wanted = 0;
     {
       const std::lock_guard lock(mutex_);
-      // This call shows that the user's thread does not hang. A server that takes nothing now may be back in time.
+      // This call shows that the user's thread does not hang. A server that accepts nothing now may recover in time.
       const std::optional<Error> error = say_alive();
       if (error && (error->code != ErrorCode::timeout || Clock::now() >= deadline)) { return *error; }
       wanted = sequence_;
@@ -368,7 +370,7 @@ Result<void> Publisher::State::wait_applied(nanoseconds timeout) {
       Result<void> told = ask_for_left_out(deadline);
       if (told || told.error().code == ErrorCode::refused) { return told; }
       if (Clock::now() >= (told.error().code == ErrorCode::timeout ? asks_until : deadline)) { return told; }
-      // The server has been silent or busy for a moment, or is another one: it can be asked again.
+      // The server was silent or busy for a moment, or was replaced: retry.
     } else if (Clock::now() >= deadline) {
       if (connection_->pulse().silent()) { return connection_->disconnected(); }
       return Error{ErrorCode::timeout,

@@ -12,8 +12,8 @@
 namespace collided {
 
 /// The messages of one publisher: definitions and pose batches, numbered together. Only the user's calls assert that it
-/// is alive, so that a user thread that hangs is seen as lost. After a pause longer than the lease, and for a new
-/// server, it defines everything again before it continues.
+/// is alive, so that a publisher whose user thread hangs counts as lost. After a pause longer than the lease, and for a
+/// new server, it defines everything again before it continues.
 ///
 /// threads  any; one mutex
 struct [[gnu::visibility("hidden")]] Publisher::State {
@@ -21,7 +21,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
                                               const PublishOptions& options);
   ~State();
 
-  /// enters  it has been elsewhere, at this pose at the last flush, and enters the world with the next one
+  /// enters  it was outside, at this pose at the last flush, and enters the world with the next flush
   Result<Object> add(const ObjectOptions& options, bool enters = false);
   Result<Object> claim(const ObjectOptions& options);
   Result<void> remove(Object object);
@@ -29,7 +29,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   Result<void> move(Object object, const Pose& pose, bool teleport);
   Result<FlushReport> flush(std::chrono::nanoseconds source_time);
   void stream();
-  /// Says each instant, also while it has no objects: some may enter (add() with `enters`).
+  /// From now on sends each instant even without objects, since some may enter (add() with `enters`).
   void announce();
   Result<void> keep_alive(std::chrono::nanoseconds source_time);
   Result<void> wait_applied(std::chrono::nanoseconds timeout);
@@ -45,7 +45,7 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::optional<Error> why_not_known(client::Clock::time_point deadline);
   Error unknown(Object object) const;
 
-  // Asserts liveliness; where the server has forgotten this publisher or is behind, defines everything again.
+  // Asserts liveliness. If the server has dropped this publisher or lacks messages, defines everything again.
   std::optional<Error> say_alive();
   std::optional<Error> assert_liveliness();
   bool is_forgotten() const;
@@ -71,25 +71,25 @@ struct [[gnu::visibility("hidden")]] Publisher::State {
   std::uint64_t incarnation_;
   std::chrono::nanoseconds lease_;
   std::chrono::nanoseconds gap_;
-  // A move() or a wait this soon after the last word need not assert again that the publisher is alive.
+  // A move() or a wait this soon after the last assertion of liveliness does not repeat it.
   std::chrono::nanoseconds word_period_;
   std::mutex mutex_;
   client::PublishedObjects objects_;
   std::vector<std::uint32_t> entering_;  // numbers of the objects that enter with the next instant
   std::uint64_t sequence_ = 0;
   std::uint64_t definitions_through_ = 0;
-  std::uint64_t found_in_world_through_ = 0;  // the definitions up to here are in the world, as the server has said
+  std::uint64_t found_in_world_through_ = 0;  // definitions up to here are in the world, as confirmed by the server
   std::uint64_t defined_all_at_ = 0;          // sequence number at which everything was last defined again
   std::uint64_t server_ = 0;
-  std::uint64_t outages_ = 0;  // of the server, when everything was last defined again
-  std::string lost_;           // what the next flush() reports of a loss
-  bool was_asked_ = false;     // to define everything again, by the newest status that was looked at
+  std::uint64_t outages_ = 0;  // the server's outages when everything was last defined again
+  std::string lost_;           // the loss that the next flush() reports
+  bool was_asked_ = false;     // the newest examined status requests to define everything again
   bool is_streamed_ = false;
   bool is_announced_ = false;
   bool has_own_clock_ = false;  // the last flush had no time, so the library's clock counts
   client::Clock::time_point last_instant_;
   client::UnacknowledgedPoses unacknowledged_;
-  client::Clock::time_point last_word_;  // when both writers last said that they are alive
+  client::Clock::time_point last_word_;  // when both writers last asserted liveliness
   client::Clock::time_point last_sample_;
   client::Clock::time_point defined_all_;
   dds::Sample<wire::Definition> definition_;

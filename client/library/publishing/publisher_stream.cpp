@@ -17,12 +17,12 @@ using wire_contract::kPoseNumbers;
 namespace {
 
 constexpr std::int64_t kAcknowledgementNs = 1'000'000'000;
-// For this long after everything was defined again each batch says so, since the first ones may be sent before the new
-// server's reader is there.
+// For this long after everything was defined again each batch is marked so, since the first ones may be sent before the
+// new server's reader is matched.
 constexpr std::chrono::milliseconds kSaysSo{2'000};
-// The time of several statuses after the last message; one of them must have counted it.
+// Several status periods after the last message; one of the statuses must have counted it.
 constexpr std::chrono::milliseconds kBehind{500};
-// A publisher that calls less often than its lease must not be lost for a word withheld, so this is short beside it.
+// Short compared with the lease: a skipped assertion must not lose a publisher that calls rarely.
 constexpr std::chrono::nanoseconds kAssertionPeriod(wire_contract::kPublisherLeaseNs / 100);
 
 double* put_pose(const Pose& pose, double* numbers) {
@@ -48,7 +48,7 @@ std::optional<Error> guarded(const Write& write) {
 std::optional<Error> Publisher::State::say_alive() {
   if (objects_.size() > 0 && is_lost()) note_loss();
   if (is_asked_again() || is_forgotten() || is_behind()) { return define_all(); }
-  // Each word costs two datagrams, so it is not given with every pose.
+  // Each assertion costs two datagrams, so it is not sent with every pose.
   return Clock::now() - last_word_ < kAssertionPeriod ? std::nullopt : assert_liveliness();
 }
 
@@ -61,7 +61,7 @@ std::optional<Error> Publisher::State::assert_liveliness() {
   });
 }
 
-// Once for each time that the server begins to ask: for another one, which has missed earlier poses.
+// True once per request of the server: a new server requests it if it has missed earlier poses.
 bool Publisher::State::is_asked_again() {
   const auto view = connection_->pulse().publisher(publisher_);
   const bool is_asked = view && view->asked;
@@ -69,7 +69,7 @@ bool Publisher::State::is_asked_again() {
   return is_asked && !was_asked;
 }
 
-/// By its own clock or by the server's word. A status from before everything was defined again does not count.
+/// By its own clock or by the server's status. A status from before everything was defined again does not count.
 bool Publisher::State::is_lost() const {
   if (Clock::now() - last_word_ > lease_) return true;
   const auto view = connection_->pulse().publisher(publisher_);
@@ -88,16 +88,16 @@ void Publisher::State::note_loss() {
 
 bool Publisher::State::is_forgotten() const {
   if (is_lost() || connection_->pulse().server() != server_) return true;
-  // Messages written during the outage may be lost, and so would those written before the readers are matched again.
+  // Messages written during the outage may be lost, and so are those written before the readers are matched again.
   if (connection_->pulse().outages() != outages_ && pose_writer_.matched_readers() > 0 &&
       object_writer_.matched_readers() > 0)
     return true;
   return false;
 }
 
-// True where the server lacks a message: a batch may have been written before a new server's reader was there, and its
-// poses would be missing until the objects move again. A world that is busy with a step applies nothing, and then has what
-// came meanwhile to apply.
+// True if the server lacks a message: a batch may have been written before a new server's reader was matched, and its
+// poses would be missing until the objects move again. A world that is busy with a step applies nothing, and afterwards
+// has a backlog to apply.
 bool Publisher::State::is_behind() const {
   const client::ServerPulse& pulse = connection_->pulse();
   const auto view = pulse.publisher(publisher_);
@@ -105,8 +105,8 @@ bool Publisher::State::is_behind() const {
          Clock::now() - std::max(last_sample_, pulse.last_busy()) > kBehind;
 }
 
-// Whether another batch may be written. The server's status is consulted before DDS: acknowledgements come up to 20 ms
-// late, and never from a dead server's reader, which DDS keeps for the ten seconds of its participant's lease.
+// True if another batch may be written. The server's status is checked before DDS: acknowledgements come up to 20 ms
+// late, and never from a dead server's reader, which DDS keeps for its participant's lease of ten seconds.
 bool Publisher::State::has_room() {
   if (!unacknowledged_.is_full()) return true;
   const auto view = connection_->pulse().publisher(publisher_);
@@ -118,7 +118,7 @@ bool Publisher::State::has_room() {
 }
 
 std::optional<Error> Publisher::State::define_all() {
-  // A new server has none of the earlier batches, and needs none.
+  // A new server has none of the earlier batches and does not need them.
   if (server_ != connection_->pulse().server()) unacknowledged_.note_all_known();
   server_ = connection_->pulse().server();
   outages_ = connection_->pulse().outages();
@@ -146,8 +146,8 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   definition.layers = object.options.layers;
   definition.mask = object.options.mask;
   definition.group = object.options.group;
-  // What waits to be sent is a motion from here on: a definition would place the object there, and a server that has it
-  // would take it for another one.
+  // Waiting poses are motions from this pose. A definition at the newest pose would place the object there, and a
+  // server that has the object would take it for another one.
   double pose[kPoseNumbers];
   put_pose(object.sent, pose);
   std::copy_n(pose, 3, definition.position);
@@ -156,7 +156,7 @@ std::optional<Error> Publisher::State::write_definition(std::uint32_t number, co
   return write_made_definition();
 }
 
-/// Before everything else that this publisher writes, since the server does not change the gap later.
+/// Written before all other messages of this publisher, since the server does not change the gap later.
 std::optional<Error> Publisher::State::write_gap() {
   if (gap_.count() == wire_contract::kDefaultGapNs) return std::nullopt;
   wire::Definition& definition = *definition_;
@@ -188,8 +188,8 @@ void Publisher::State::fill_batch(std::uint8_t flags, std::int64_t time_ns) {
   if (Clock::now() - defined_all_ < kSaysSo) batch_->flags |= wire_contract::kPosesAllSaid;
 }
 
-/// Says that everything has rested up to then; or only that this publisher lives. The message has no number, since a server
-/// that misses it lacks no pose, and since a number would hide that an earlier message was missed.
+/// Sends that everything has been at rest up to then, or only that this publisher is alive. The message has no number:
+/// a server that misses it lacks no pose, and a number would hide the loss of an earlier message.
 std::optional<Error> Publisher::State::write_instant(std::int64_t time_ns, bool is_only_alive) {
   batch_->sequence_number = 0;
   fill_batch(is_only_alive ? wire_contract::kPosesStreamed : 0, time_ns);
@@ -197,7 +197,7 @@ std::optional<Error> Publisher::State::write_instant(std::int64_t time_ns, bool 
   wire::lend_columns<wire::PoseBatch>({}, wire::kPoseColumns, pose_columns_, *batch_);
   return guarded([&]() -> std::optional<Error> {
     if (!has_room() || !pose_writer_.write(*batch_)) return not_taken();
-    // It takes a place in the writer's history, where it could displace poses that the server has yet to receive.
+    // It occupies a place in the writer's history, where it could displace poses that the server has not received.
     unacknowledged_.note_written(sequence_, 0);
     return std::nullopt;
   });

@@ -14,11 +14,11 @@
 namespace collided::client {
 namespace {
 
-// A definition is one message; its other fields take far less than this.
+// A definition is one message; its other fields need far less than this.
 constexpr std::size_t kHeaderRoomBytes = 16 * 1024;
 constexpr std::size_t kMaxShapeBytes = wire_contract::kMaxMessageBytes - kHeaderRoomBytes;
 
-/// Why a part is not valid; thrown and caught in this file.
+/// Why a part is invalid; thrown and caught in this file.
 struct PartFault {
   std::string why;
 };
@@ -27,7 +27,7 @@ void refuse(std::optional<std::string> fault) {
   if (fault) throw PartFault{std::move(*fault)};
 }
 
-/// A valid point or size; `name` names it in a fault.
+/// Checks a point or size; `name` is its name in a fault.
 format::Vec3 valid_point(const Vec3& point, const char* name) {
   refuse(finite_fault(point, name));
   return format::packed(point);

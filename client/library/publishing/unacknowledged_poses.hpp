@@ -9,9 +9,9 @@
 
 namespace collided::client {
 
-/// The pose batches that the server is not known to have received. The writer keeps a fixed number of batches: one more
-/// would displace a batch that the server lacks, and with it perhaps the only pose of an object. Large batches fill
-/// socket buffers sooner, so their bytes are limited too.
+/// The pose batches whose receipt by the server is not confirmed. The writer keeps a fixed number of batches: one more
+/// would displace a batch that the server lacks, perhaps with the only pose of an object. Large batches fill socket
+/// buffers sooner, so their bytes are limited too.
 ///
 /// threads  one at a time
 class UnacknowledgedPoses {
@@ -19,16 +19,16 @@ class UnacknowledgedPoses {
   static constexpr std::size_t kMostBatches = wire_contract::kPoseTopic.keep_last - 8;
   static constexpr std::size_t kMostBytes = 14'000'000;
 
-  /// True: nothing more may be written until the server is known to have received some of it.
+  /// True: no more may be written until the server has confirmed some batches.
   bool is_full() const { return count_ >= kMostBatches || bytes_ >= kMostBytes; }
   std::size_t batches() const { return count_; }
   /// Adds a batch.
-  /// sequence  its number, or that of the message before where it has none
+  /// sequence  its number, or that of the previous message if it has none
   void note_written(std::uint64_t sequence, std::size_t bytes) {
     batches_[(first_ + count_++) % batches_.size()] = {sequence, bytes};
     bytes_ += bytes;
   }
-  /// Removes batches: the server has everything up to this number.
+  /// Removes the batches up to this number, which the server has.
   void note_known(std::uint64_t sequence) {
     while (count_ > 0 && batches_[first_].sequence <= sequence) {
       bytes_ -= batches_[first_].bytes;
