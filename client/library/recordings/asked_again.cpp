@@ -108,7 +108,7 @@ std::map<std::uint64_t, ComparedAnswer> ComparedAnswers::take() {
   nlohmann::json answer = nlohmann::json::parse(text, nullptr, false);
   nlohmann::json no_pairs = nlohmann::json::array();
   if (answer.is_object()) {
-    // What the way to the answer took depends on the order in which a server has met its objects.
+    // The cost of an answer depends on the order in which a server has received its objects.
     for (const char* key : {"version", "tested", "filtered"}) answer.erase(key);
     for (nlohmann::json& pair : answer.contains("pairs") ? answer["pairs"] : no_pairs) {
       for (const char* key : {"a_id", "b_id"}) pair.erase(key);
@@ -136,8 +136,8 @@ std::optional<Error> ask_again(Connection& connection, std::vector<dds::Sample<w
   while (answered < wanted || chunks.size() < most_chunks) {
     for (; sent < queries.size() && sent < chunks.size() + wire_contract::kChunksInFlight; ++sent) {
       queries[sent]->request = running->number();
-      // The world is as it was then, so the answer need not wait for a publisher's message, and must not depend on
-      // time.
+      // The recorded state has been reproduced, so the answer need not wait for a publisher's message, and must not
+      // depend on time.
       queries[sent]->barrier_publisher = 0;
       queries[sent]->deadline_ns = 0;
       if (auto error = connection.send(*queries[sent])) return error;

@@ -11,9 +11,9 @@
 
 namespace collided::client {
 
-/// The answer to one question in a form that can be compared across runs of the server. The bytes are equal where the
-/// answers are: verdict, reason and every hit, without costs. Objects are identified by name and hits are in an order
-/// that does not depend on ids, since ids differ from run to run.
+/// The answer to one question in a form that is comparable across runs of the server. The bytes are equal if the
+/// answers are: verdict, reason and every hit, without costs. Objects are identified by name, and the order of hits
+/// does not depend on ids, since ids differ between runs.
 struct ComparedAnswer {
   std::string bytes;
   std::string words;      // "hit crate 3.8", for people
@@ -24,10 +24,10 @@ struct ComparedAnswer {
 /// threads  one at a time
 class ComparedAnswers {
  public:
-  /// Takes a reply. False where its columns differ in length; the answers before that count.
+  /// Adds a reply. False if its columns differ in length; earlier answers stay valid.
   bool add(const wire::Reply& reply);
   /// The answers by the number of the question. The answer to a command is number 0: its JSON without the version,
-  /// which differs from run to run.
+  /// which differs between runs.
   std::map<std::uint64_t, ComparedAnswer> take();
 
  private:
@@ -38,7 +38,7 @@ class ComparedAnswers {
 /// Sends the recorded chunks of one request as a request of this connection. Calls `take` for each reply until all
 /// questions are answered, or, for a request without questions, there is one reply for each chunk.
 ///
-/// queries  their client and request number are set to this connection's
+/// queries  this function sets their client and request number
 std::optional<Error> ask_again(Connection& connection, std::vector<dds::Sample<wire::Query>>& queries,
                                const std::function<void(const wire::Reply&)>& take);
 

@@ -69,7 +69,7 @@ std::vector<HullCorners> drawn_hull(const std::vector<Vec3>& points) {
       return !(face.normal.dot(points[number]) - face.offset_m > first->slack_m);
     };
     const auto seen = std::partition(faces.begin(), faces.end(), is_hidden);
-    // The border of the faces seen from the point: edges that only one of these faces has.
+    // The boundary of the faces visible from the point: edges of exactly one of these faces.
     std::set<std::pair<std::uint32_t, std::uint32_t>> edges;
     for (auto face = seen; face != faces.end(); ++face) {
       for (std::size_t side = 0; side < 3; ++side) edges.emplace(face->corners[side], face->corners[(side + 1) % 3]);

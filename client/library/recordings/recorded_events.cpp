@@ -29,7 +29,7 @@ struct TimedMessage {
 template <class News>
 using TimedMessages = std::vector<TimedMessage<News>>;
 
-/// The messages in a recording. Those that cannot be decoded count as lost, as for a live watch.
+/// The messages in a recording. Messages that cannot be decoded count as lost, as for a live watch.
 template <class News>
 TimedMessages<News> messages_of(const RecordedItems& recorded, Names& names) {
   using Wire = WireOf<News>;
@@ -50,10 +50,10 @@ TimedMessages<News> messages_of(const RecordedItems& recorded, Names& names) {
   return messages;
 }
 
-/// Which events of one life of a server a recording has, by their sequence numbers.
+/// The events of one life of a server in a recording, by sequence number.
 struct LifeSpan {
-  std::uint64_t before = 0;  // the newest event from before the recording
-  std::uint64_t last = 0;    // the newest event that is known of, whether recorded or not
+  std::uint64_t before = 0;  // the newest event before the recording
+  std::uint64_t last = 0;    // the newest known event, recorded or not
   std::uint64_t heard = 0;
 
   std::uint64_t lost() const { return last - before > heard ? last - before - heard : 0; }
@@ -72,7 +72,7 @@ LifeSpan span_of_life(const ServerLife& life, const TimedMessages<News>& message
     }
     const auto* const bookmark = std::get_if<HeardBookmark>(&message.heard);
     if (bookmark == nullptr || bookmark->from != life) continue;
-    // The first bookmark may be from before the recorder received events, since DDS keeps it for late joiners.
+    // The first bookmark may be older than the recorder's subscription, since DDS keeps it for late joiners.
     if (first_bookmark && !live_bookmark) live_bookmark = bookmark->last_event_sequence;
     if (!first_bookmark) first_bookmark = bookmark->last_event_sequence;
     span.last = std::max(span.last, bookmark->last_event_sequence);
@@ -82,7 +82,7 @@ LifeSpan span_of_life(const ServerLife& life, const TimedMessages<News>& message
   return span;
 }
 
-/// The contacts that held after event `at`, from messages before and after it.
+/// The contacts open after event `at`, from messages before and after it.
 template <class News>
 class OpeningContacts {
  public:
@@ -145,7 +145,7 @@ class OpeningContacts {
     }
   }
 
-  /// Takes a contact of a later shard, unless it began only after `at`.
+  /// Adds a contact of a later shard, unless it began after `at`.
   News* hold(const News& contact) {
     if (contact.episode > at_) return nullptr;
     const auto [held, is_new] = held_.try_emplace({contact.a_id, contact.b_id}, contact);
@@ -153,7 +153,7 @@ class OpeningContacts {
     return &held->second;
   }
 
-  /// The first change after `at` tells what was before it; a shard written since tells what came of it.
+  /// The first change after `at` implies the state before it; a later shard has the state after it.
   void take_containment(const News& change) {
     const auto known = held_.find({change.a_id, change.b_id});
     if (known == held_.end() || known->second.episode != change.episode) return;
@@ -173,7 +173,7 @@ class OpeningContacts {
       ++undated_;
       return;
     }
-    // A shard that is too large to carry names leaves them out.
+    // A shard that is too large for names omits them.
     take_names(ended, known->second);
   }
 
@@ -183,11 +183,11 @@ class OpeningContacts {
   std::array<const HeardShardOf<News>*, wire_contract::kContactShards> shards_{};  // the newest up to the begin
   std::vector<const HeardShardOf<News>*> later_;
   std::map<Pair, News> held_;
-  std::set<Pair> changed_;  // held ones of which a change of containment after `at` is known
+  std::set<Pair> changed_;  // open contacts with a known change of containment after `at`
   std::uint64_t undated_ = 0;
 };
 
-/// The loaded scenes by the newest status that can be read.
+/// The loaded scenes by the newest readable status.
 std::vector<std::string> scenes_of(const RecordedItems& recorded) {
   std::vector<std::string> names;
   dds::Sample<wire::Status> status;
@@ -259,7 +259,7 @@ std::vector<News> in_window(std::vector<News> events, nanoseconds from, nanoseco
     const News* event;
   };
   std::vector<Timed> timed;
-  // By pair its newest event, since a pair's events keep their order whatever their brackets say.
+  // The newest event of each pair, since a pair's events keep their order regardless of their brackets.
   std::map<Known, nanoseconds> last_of_pair;
   for (const News& event : events) {
     const auto [last, is_first] = last_of_pair.try_emplace(names_of(event), nanoseconds::min());
@@ -270,7 +270,7 @@ std::vector<News> in_window(std::vector<News> events, nanoseconds from, nanoseco
 
   std::vector<News> told;
   std::map<Known, const News*> held;
-  std::uint64_t sequence = 0;  // of the newest event in the state at `from`, and its life of the server
+  std::uint64_t sequence = 0;  // of the newest event in the state at `from`, with its life of the server
   std::uint64_t epoch = 0;
   auto next = timed.begin();
   for (; next != timed.end() && (next->event->kind == EventKind::open || next->at < from); ++next) {
@@ -285,7 +285,8 @@ std::vector<News> in_window(std::vector<News> events, nanoseconds from, nanoseco
   }
   const auto end = std::find_if(next, timed.end(), [&](const Timed& one) { return one.at > to; });
   if (order == EventOrder::sequence) {
-    // A pair's events keep their order either way, so what held at `from` stays the state before the first of them.
+    // A pair's events keep their order in both orders, so the state at `from` remains the state before the first of
+    // them.
     std::sort(next, end, [](const Timed& a, const Timed& b) { return a.event < b.event; });
     for (auto one = next; one != end; ++one) {
       if (one->event->epoch == epoch) sequence = std::min(sequence, one->event->sequence - 1);

@@ -12,18 +12,18 @@
 
 namespace collided::client {
 
-/// What a recording lacks of the events in its time.
+/// Events of a recording's period that it lacks.
 struct MissingEvents {
-  std::uint64_t lost = 0;     // events that are missing, by the sequence numbers
-  std::uint64_t undated = 0;  // contacts at its begin whose own beginning is not known: it counts as the recording's
-  bool is_begin_doubtful = false;  // the contacts found at its begin do not match what the server counted
+  std::uint64_t lost = 0;     // missing events, by sequence number
+  std::uint64_t undated = 0;  // contacts at its begin with an unknown beginning, which counts as the recording's begin
+  bool is_begin_doubtful = false;  // the contacts found at its begin do not match the server's count
 };
 
-/// Passes a recording to a new `watch`: what held at its begin as `open`, then its events one by one. What held is
-/// found from everything that the recording says of it: the shards before and after its begin, and events that end
-/// contacts which did not begin in it. `News` are an Event or StandingNews.
+/// Passes a recording to a new `watch`: the initial contacts as `open`, then its events one by one. Initial contacts
+/// are derived from the shards before and after its begin, and from events that end contacts without a recorded
+/// beginning. `News` is Event or StandingNews.
 ///
-/// time_is  called with the time of each message, since 1970 by the recorder's clock, before `watch` hears it
+/// time_is  called with the time of each message, since 1970 by the recorder's clock, before `watch` receives it
 template <class News>
 MissingEvents hear_recording(const RecordedItems& recorded, Names& names, WatchStateOf<News>& watch,
                              const std::function<void(std::chrono::nanoseconds)>& time_is = {});
@@ -37,11 +37,12 @@ RecordedSpan span_of(const RecordedItems& recorded);
 /// A time that may be relative to the recording, since 1970.
 std::chrono::nanoseconds resolved(const RunTime& time, const RecordedSpan& span);
 
-/// happened: by happened(). sequence: as a watch reports them, by their numbers, each `open` before what follows it.
+/// Orders of events. happened: by happened(). sequence: by number, as a watch reports them, each `open` before its
+/// later events.
 enum class EventOrder { happened, sequence };
 
-/// Selects from events as a WatchStateOf emits them: what held before `from` as `open`, then what happened from `from` to
-/// `to`, both included.
+/// Selects from events that a WatchStateOf emits: contacts open before `from` as `open`, then the events from `from` to
+/// `to`, both inclusive.
 template <class News>
 std::vector<News> in_window(std::vector<News> events, std::chrono::nanoseconds from, std::chrono::nanoseconds to,
                             EventOrder order);

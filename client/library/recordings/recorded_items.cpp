@@ -8,10 +8,10 @@
 namespace collided::client {
 namespace {
 
-/// Largest file that is read: all of it is taken into memory.
+/// Largest file to read, since it is held in memory.
 constexpr std::uint64_t kMostFileBytes = std::uint64_t{4} << 30;
 
-/// How many messages at the file's beginning are its opening; nothing where it does not say.
+/// The number of messages at the file's beginning that are its opening; nothing if not stated.
 std::optional<std::uint64_t> opening_messages(const mcap::Contents& contents) {
   const auto entries = contents.metadata.find("recording");
   std::uint64_t count = 0;

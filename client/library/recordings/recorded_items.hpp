@@ -17,7 +17,7 @@ struct RecordedItem {
   recording::Recorded topic{};
   std::uint64_t log_time = 0;  // when it was received: ns since 1970 by the recorder's clock
   std::span<const std::byte> data;
-  bool opening = false;  // part of the state before the recording
+  bool opening = false;  // part of the state at the start of the recording
 };
 
 /// A message of a channel that is not a topic of the namespace (OwnChannel). Its data points into the recording's bytes.
@@ -39,7 +39,7 @@ struct RecordedItems {
 /// The bytes of a whole file. Throws std::runtime_error with the path and the reason.
 std::vector<std::byte> read_recording(const std::string& path);
 
-/// Reads the samples of a recording. Throws std::runtime_error, with the name and the reason, where it has none of a
+/// Reads the samples of a recording. Throws std::runtime_error, with the name and the reason, if it has none of a
 /// collision server.
 ///
 /// name         of the recording, for errors and warnings

@@ -74,7 +74,7 @@ void RecordedLoss::settle(Clock::time_point now, bool all) {
     const Request& heard = entry.second;
     const Clock::duration age = now - heard.since;
     if (!all && age < (heard.reply ? kQuestionPatience : kReplyPatience)) return false;
-    // At the end of the recording the other half may still be under way.
+    // At the end of the recording the other half may still be in flight.
     const bool had_time = age >= std::chrono::milliseconds(500);
     questions_ += had_time && !heard.question ? 1 : 0;
     unanswered_ += had_time && !heard.reply ? 1 : 0;

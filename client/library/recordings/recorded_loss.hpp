@@ -8,7 +8,7 @@
 
 namespace collided::client {
 
-/// Counts what a reader of all topics has missed, by the numbers in the samples: publishers number their messages, the
+/// Counts the samples that a reader of all topics has missed, by their numbers: publishers number their messages, the
 /// server its events; every reply belongs to a question and every question has a reply.
 ///
 /// limits   publishers, servers and requests beyond kMost each are ignored
@@ -22,7 +22,7 @@ class RecordedLoss {
   void hear_events(std::uint64_t server, std::uint64_t epoch, std::uint64_t first, std::uint64_t count);
   void hear_question(std::uint64_t client, std::uint64_t request, Clock::time_point now);
   void hear_reply(std::uint64_t client, std::uint64_t request, Clock::time_point now);
-  /// Counts the requests whose other half can no longer come. Call it now and then, and at the end with `all`.
+  /// Counts the requests whose other half can no longer come. Call it regularly, and at the end with `all`.
   void settle(Clock::time_point now, bool all = false);
 
   /// Lost definitions and pose batches together.
@@ -36,10 +36,10 @@ class RecordedLoss {
   using Pair = std::pair<std::uint64_t, std::uint64_t>;
   // The numbers of one publisher that were received.
   struct Series {
-    bool began = false;  // its first pose batch has come; messages from before it come late, twice and with gaps
+    bool began = false;  // its first pose batch has come; earlier messages arrive late, twice and with gaps
     std::uint64_t first = 0, last = 0, heard = 0;
   };
-  // Which halves of a request were received, and when the first was.
+  // The received halves of a request, and the time of the first.
   struct Request {
     bool question = false, reply = false;
     Clock::time_point since;

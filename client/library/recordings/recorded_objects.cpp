@@ -19,10 +19,10 @@ namespace {
 using nlohmann::json;
 namespace command_names = wire_contract::command;
 
-/// The surfaces of the surroundings have the numbers of their server, which counts from 1.
+/// Surfaces of the surroundings have numbers of their server, which counts from 1.
 constexpr std::uint64_t kFirstRecordedSurface = std::uint64_t{1} << 62;
 
-/// A pose of seven numbers, w first; nothing where they are none.
+/// A pose of seven numbers, w first; nothing if they are not a pose.
 std::optional<Pose> sound_pose(std::span<const double> n) {
   const Pose pose{{n[0], n[1], n[2]}, Quat(n[3], n[4], n[5], n[6])};
   if (!pose.position.allFinite() || !wire_contract::is_unit_quaternion(pose.rotation)) return std::nullopt;
@@ -193,7 +193,7 @@ void RecordedObjects::move(const std::string& name, const Pose& pose) {
   const auto found = objects_.find(name);
   if (found == objects_.end()) return;
   found->second.shown.pose = pose;
-  // One that stands still has its pose in the table alone.
+  // A static object has its pose only in the table.
   has_new_table_ = has_new_table_ || !found->second.shown.moving;
   has_new_poses_ = true;
 }
@@ -208,7 +208,7 @@ void RecordedObjects::remove(const std::vector<std::string>& names) {
   for (const std::string& name : removed) erase(name);
 }
 
-/// Removes a scene, or what belongs to no living publisher.
+/// Removes a scene, or all objects without a living publisher.
 void RecordedObjects::clear(const std::string& scene, bool is_moving_only) {
   std::vector<std::string> leaving;
   for (const ShownObject* object : all()) {
@@ -258,7 +258,7 @@ std::vector<const ShownObject*> RecordedObjects::all() const {
   return found;
 }
 
-/// The names that a removal is about: an object's own, or those that match.
+/// The names affected by a removal: that of an object, or those that match.
 std::vector<std::string> RecordedObjects::named(const std::string& glob) const {
   if (find(glob) != nullptr) return {glob};
   std::vector<std::string> names;
@@ -268,7 +268,7 @@ std::vector<std::string> RecordedObjects::named(const std::string& glob) const {
   return names;
 }
 
-/// The place of an object: an attached one goes along with its parent.
+/// The pose of an object; an attached object moves along with its parent.
 Pose RecordedObjects::pose_of(const ShownObject& object, int depth) const {
   constexpr int kDeepest = 16;
   const auto attached = attached_.find(object.name);

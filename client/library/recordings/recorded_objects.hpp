@@ -17,39 +17,39 @@
 
 namespace collided::client {
 
-/// The objects of a recorded world, by name, as its samples and commands change them. The calls that take recorded data throw
-/// std::exception where it does not hold; nothing has changed then.
+/// The objects of a recorded world, by name, as its samples and commands change them. Calls with recorded data throw
+/// std::exception if the data is invalid, and then change nothing.
 ///
-/// limits   kMostParts parts of all objects together
+/// limits   kMostParts parts over all objects
 /// threads  one at a time
 class RecordedObjects {
  public:
   static constexpr std::size_t kMostParts = 2'000'000;
 
-  /// surroundings  objects that stand still and are in no recording; null: none
+  /// surroundings  static objects that recordings do not contain; null: none
   explicit RecordedObjects(std::shared_ptr<const ShownObjects> surroundings);
 
   void define(const wire::Definition& definition);
   void place(const wire::PoseBatch& batch);
   /// Applies the lost policies of publishers that a status calls lost.
   void lose_lost(const wire::Status& status);
-  /// Carries out a command as its answer reports.
+  /// Applies a command as reported by its answer.
   ///
-  /// shape   bytes that came with it
-  /// answer  discarded JSON where the recording has none
+  /// shape   bytes sent with it
+  /// answer  discarded JSON if the recording has none
   void carry_out(const nlohmann::json& command, std::span<const std::uint8_t> shape, const nlohmann::json& answer);
 
-  /// The number of an object of that name.
+  /// The number of the object of that name.
   std::uint64_t id_of(const std::string& name);
   bool has_new_table() const { return has_new_table_; }
   bool has_new_poses() const { return has_new_poses_; }
   /// All objects; the next table has another version.
   std::shared_ptr<const ShownObjects> table();
-  /// The poses of everything that moves, for the newest table.
+  /// The poses of all moving objects, for the newest table.
   Poses poses();
 
  private:
-  using DefinedBy = std::pair<std::uint64_t, std::uint32_t>;  // publisher and its number of the object; 0: a command
+  using DefinedBy = std::pair<std::uint64_t, std::uint32_t>;  // publisher (0: a command) and its number of the object
   struct Object {
     ShownObject shown;
     DefinedBy by;
@@ -78,9 +78,9 @@ class RecordedObjects {
   Pose pose_of(const ShownObject& object, int depth = 0) const;
 
   const std::shared_ptr<const ShownObjects> surroundings_;
-  std::map<std::string, const ShownObject*, std::less<>> still_;  // of the surroundings, those that are there
+  std::map<std::string, const ShownObject*, std::less<>> still_;  // the present objects of the surroundings
   std::map<std::string, Object, std::less<>> objects_;
-  std::map<DefinedBy, std::string> names_;                   // of what publishers have defined
+  std::map<DefinedBy, std::string> names_;                   // of objects defined by publishers
   std::map<std::string, Attachment, std::less<>> attached_;  // by the child
   std::set<std::uint64_t> lost_;                             // publishers
   std::map<std::string, std::uint64_t, std::less<>> ids_;

@@ -25,7 +25,7 @@ using TakeChange = std::function<void(const PictureChange&)>;
 constexpr std::size_t kMostTables = 2'000;
 constexpr nanoseconds kStatusPeriod{500'000'000};
 
-/// Passes on what a recording shows, item by item.
+/// Passes on the picture of a recording, item by item.
 class PictureReading {
  public:
   PictureReading(const RecordedRun& run, const PictureOptions& options, const TakeChange& take)
@@ -131,7 +131,7 @@ class PictureReading {
     pass_on(now, decode_status(*status_));
   }
 
-  /// Shows what has changed. Definitions come one by one, so a table for each would be far too many.
+  /// Shows the changes. Definitions come one by one, so a table for each would be far too many.
   void show(nanoseconds now) {
     if (objects_.has_new_table() && is_due(table_at_, table_period_, now)) {
       table_at_ = now;
@@ -150,7 +150,7 @@ class PictureReading {
   RecordedObjects objects_;
   nanoseconds table_period_{0};
   nanoseconds frame_period_{0};
-  bool has_shown_table_ = false;  // poses mean the objects of one
+  bool has_shown_table_ = false;  // poses refer to the objects of a table
   std::optional<nanoseconds> table_at_;
   std::optional<nanoseconds> frame_at_;
   std::optional<nanoseconds> status_at_;

@@ -14,7 +14,7 @@ using wire_contract::QuestionKind;
 using wire_contract::ReplyStatus;
 namespace names = wire_contract::command;
 
-/// A text as JSON; a discarded value where it is not JSON.
+/// Parses a text as JSON; a discarded value if it is not JSON.
 nlohmann::json parsed(std::string_view text) { return nlohmann::json::parse(text, nullptr, false); }
 
 std::string word_of(const nlohmann::json& object, const char* key) {
@@ -28,7 +28,7 @@ class Sorting {
 
   void sort() {
     run_.origins.resize(run_.items.size());
-    // Questions first: a reply may have been received before its question, on another topic.
+    // Questions first, since a reply, on another topic, may have been received before its question.
     for (const bool replies : {false, true}) {
       for (std::size_t i = 0; i < run_.items.size(); ++i) {
         if ((run_.items[i].topic == Recorded::reply) == replies) look_at(i);
@@ -49,8 +49,8 @@ class Sorting {
     std::optional<StateNumber> state;
     std::uint32_t reply_chunks = 0;
     std::map<std::uint32_t, std::string> text;  // of a command's reply, by chunk
-    bool changes = false;                       // the world; else it asks
-    bool changes_files = false;                 // it loads or clears scenes, which is not replayed
+    bool changes = false;                       // a command that changes the world; else a question
+    bool changes_files = false;                 // loads or clears scenes, which is not replayed
     bool refused = false;
     bool opening = false;
   };
@@ -103,8 +103,8 @@ class Sorting {
       state.applied[publishers[i]] = applied[i];
       if (states[i] == static_cast<std::uint8_t>(wire_contract::PublisherState::lost)) state.lost.insert(publishers[i]);
     }
-    // The newest status of a version counts: later ones may add samples that changed nothing and lost publishers
-    // without objects.
+    // The newest status of a version counts: it may add samples that changed nothing and lost publishers without
+    // objects.
     newest_ = {status_->epoch, status_->version};
     run_.states[newest_] = std::move(state);
   }
@@ -125,7 +125,7 @@ class Sorting {
     const bool needs_no_reply = query_->client == 0 || run_.items[index].opening;
     if ((is_change || changes_files) && needs_no_reply) run_.carried_out[index] = {index, {}};
     if (changes_files && needs_no_reply) return;
-    // What the server carried out by itself after a restart has no reply.
+    // Commands that the server repeated after a restart have no reply.
     if (query_->client == 0 && !run_.items[index].opening) return note_command(index, following_newest());
     Request& request = requests_[{query_->client, query_->request}];
     request.questions.emplace(query_->chunk_index, index);
@@ -137,8 +137,8 @@ class Sorting {
     if (request.opening) settle_opening(request);
   }
 
-  /// Takes a command of the opening. It has no reply in the recording, but where it was under way then; and two that the
-  /// server has put together may have the same number.
+  /// Takes a command of the opening. It has a reply in the recording only if it was in flight at the start. Two
+  /// commands that the server has composed may have the same number.
   void settle_opening(Request& request) {
     const std::size_t index = request.questions.begin()->second;
     note_command(index, {0, 0});
@@ -147,7 +147,7 @@ class Sorting {
   }
 
   void note_command(std::size_t index, const StateNumber& state) { run_.commands[state].push_back(index); }
-  /// The state that comes after those read so far.
+  /// The state that follows those read so far.
   StateNumber following_newest() const { return {newest_.first, newest_.second + 1}; }
 
   void take_reply(std::size_t index) {
@@ -166,7 +166,7 @@ class Sorting {
     request.text[reply_->chunk_index].assign(text.begin(), text.end());
   }
 
-  /// The reply refuses a command that was under way when the recording began.
+  /// Drops a command that was in flight when the recording began and was then refused.
   void forget_opening_command() {
     const auto found = opening_commands_.find({reply_->client, reply_->request});
     if (found == opening_commands_.end()) return;
@@ -199,7 +199,7 @@ class Sorting {
       if (request.changes || request.changes_files)
         run_.carried_out[request.replies.back()] = {request.questions.begin()->second, text_of(request)};
       if (request.changes_files) continue;
-      // The state that a command made or was about is in its answer; the reply's own version may be later.
+      // A command's answer has the state that it made or was about; the reply's own version may be later.
       const StateNumber state{request.state->first, command ? reported_version(request) : request.state->second};
       if (request.changes) {
         note_command(request.questions.begin()->second, state);

@@ -21,7 +21,7 @@ void require_sound(bool holds, const char* otherwise) {
   if (!holds) throw std::runtime_error(otherwise);
 }
 
-/// A primitive with its lengths multiplied. A factor of a round one counts for all axes.
+/// A primitive with scaled lengths. A round one has the same factor for all axes.
 struct ScaledPart {
   Vec3 factor;
 
@@ -203,7 +203,7 @@ class ShapeDrawing {
           if (is_third) triangles.push_back({order[0], order[i - 1], last});
           break;
         case Kind::strip: {
-          // Every other triangle is turned over; one with two equal corners only steers.
+          // Every other triangle is reversed; one with two equal corners only continues the strip.
           if (!is_third) break;
           const std::uint32_t a = order[i - 2 + i % 2];
           const std::uint32_t b = order[i - 1 - i % 2];

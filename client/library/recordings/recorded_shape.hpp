@@ -8,18 +8,18 @@
 
 namespace collided::client {
 
-/// A shape as viewers draw it, in the form that the server gives it: parts that are primitives, and surfaces.
+/// A shape for viewers, in the server's form: primitives as parts, and surfaces.
 struct DrawnShape {
   Shape parts;
   std::vector<SurfaceRun> runs;
 };
 
 /// Decodes a shape of a recorded definition or command (table Shape of scene.fbs) from untrusted bytes. Throws
-/// std::runtime_error where something in it does not hold.
+/// std::runtime_error if it is invalid.
 ///
-/// scale         factors besides the shape's own
-/// first_number  of its first surface; further ones follow
-/// memory        a small multiple of the bytes, and at most kMostDrawnParts parts
+/// scale         factors in addition to the shape's own
+/// first_number  number of its first surface; others follow
+/// memory        a small multiple of the bytes, at most kMostDrawnParts parts
 /// difference    a hull's triangles are computed in doubles, while the server's are exact
 DrawnShape drawn_shape(std::span<const std::uint8_t> bytes, const Vec3& scale, std::uint64_t first_number);
 

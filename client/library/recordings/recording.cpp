@@ -19,10 +19,10 @@ using recording::Recorded;
 
 namespace {
 
-/// Time between chunks: what came since the last one is missing from a recording whose process is killed.
+/// Time between chunks. If the process is killed, the samples since the last chunk are missing.
 constexpr std::chrono::seconds kChunkPeriod{1};
 
-/// The topic of questions with a best-effort reader, for which no writer waits.
+/// The topic of questions with a best-effort reader, on which no writer waits.
 constexpr wire_contract::TopicQos kOverheardQuestions{wire_contract::kQueryTopic.suffix,
                                                       wire_contract::Reliability::best_effort,
                                                       wire_contract::Durability::volatile_data,
@@ -88,13 +88,13 @@ void Recording::State::hear(const wire::StandingFrame& sample) {
   standing_loss_.hear_events(sample.server, sample.epoch, sample.first_sequence, sample.kinds._length);
   ++written_.standing_changes;
 }
-/// The sum comes 20 times a second, whether anything changed or not. Before the first event nothing is recorded.
+/// The sum comes 20 times a second even without changes. It is not recorded before the first event.
 bool Recording::State::hear(const wire::StandingShard& sample) {
   if (sample.as_of_sequence == 0) return false;
   if (sample.shard != wire_contract::kStandingSum) ++written_.standing_changes;
   return true;
 }
-/// A server that starts again brings its kept standing questions back.
+/// A restarted server restores its kept standing questions.
 void Recording::State::hear(const wire::Status& sample) {
   if (std::exchange(epoch_, sample.epoch) != sample.epoch) ++written_.standing_changes;
 }
@@ -107,13 +107,13 @@ bool Recording::State::hear(const wire::Query& sample) {
 }
 bool Recording::State::hear(const wire::Reply& sample) {
   if (sample.client == connection_->client()) return false;
-  // A client that has gone took standing questions along; nothing was asked.
+  // A client has disconnected with its standing questions; this reply has no request.
   if (sample.request == 0) return ++written_.standing_changes, true;
   loss_.hear_reply(sample.client, sample.request, Clock::now());
   if (std::erase(standing_commands_, std::pair(sample.client, sample.request)) > 0) ++written_.standing_changes;
   return true;
 }
-/// Once it is answered, there may be other standing questions.
+/// Its answer may change the standing questions.
 void Recording::State::note_standing_command(const wire::Query& sample) {
   constexpr std::size_t kMostCommands = 1'000;
   if (sample.kind != static_cast<std::uint8_t>(wire_contract::QuestionKind::command)) return;
@@ -142,7 +142,7 @@ Recording::State::State(std::shared_ptr<client::Connection> connection, const st
   for (const recording::RecordedTopic& topic : recording::kRecordedTopics) {
     written_.channels.push_back({.topic = topic.row.suffix, .samples = 0, .lost = 0});
   }
-  // The readers are made before the opening is fetched, so that nothing is missed between the two.
+  // The readers are made before the opening is fetched, so that nothing in between is missed.
   readers_.reset(new Readers{
       .object = dds::Reader<wire::Definition>(object_topic_, into<wire::Definition>(Recorded::object)),
       .pose = dds::Reader<wire::PoseBatch>(pose_topic_, into<wire::PoseBatch>(Recorded::pose)),
@@ -175,8 +175,8 @@ Result<std::unique_ptr<Recording::State>> Recording::State::start(std::shared_pt
 
 Recording::State::~State() { static_cast<void>(finish()); }
 
-/// Waits until all writers know the readers: what they write before that is not received. The server, the publishers
-/// and the clients announce themselves every second.
+/// Waits until all writers have matched the readers; earlier samples are not received. The server, the publishers and
+/// the clients announce themselves every second.
 void Recording::State::wait_until_heard() const {
   constexpr std::chrono::milliseconds kEverybody{1'100};
   const Clock::time_point start = Clock::now();
@@ -187,8 +187,7 @@ void Recording::State::wait_until_heard() const {
   client::wait_until(start + 2 * kEverybody, [&] { return Clock::now() >= start + kEverybody && heard(); });
 }
 
-/// What the server's publishers and commands had brought into the world before. The reason where there is no such
-/// thing.
+/// Writes the existing world of publishers' and commands' objects. Returns the reason if that is not possible.
 std::string Recording::State::begin_with_opening() {
   const Result<std::vector<std::byte>> file = client::fetch_recorded(*connection_, std::chrono::nanoseconds(0));
   if (!file) return file.error().message;
@@ -212,7 +211,7 @@ std::string Recording::State::begin_with_opening() {
   return {};
 }
 
-/// The readers are there before the opening, so what was done in between is heard as well.
+/// The readers exist before the opening, so commands in between are received as well.
 bool Recording::State::is_in_opening(const RecordingQueue::Entry& entry) {
   if (entry.client == 0 || opening_commands_.erase({entry.client, entry.request}) == 0) return false;
   const std::lock_guard lock(mutex_);
@@ -225,7 +224,7 @@ void Recording::State::run() {
   Clock::time_point next_chunk = Clock::now() + kChunkPeriod;
   bool last = false;
   while (!last) {
-    last = stopping_.load();  // what came before it is still taken
+    last = stopping_.load();  // earlier samples are still written
     queue_.take(batch, std::chrono::milliseconds(100));
     add_own_channels();
     for (const RecordingQueue::Entry& entry : batch.entries) {
@@ -241,7 +240,7 @@ void Recording::State::run() {
   }
 }
 
-/// Those that were new to write() come after the topics, in the same order.
+/// Channels that were new to write() follow the topics, in the same order.
 void Recording::State::add_own_channels() {
   const std::lock_guard lock(mutex_);
   while (own_in_file_ < own_.size()) {

@@ -23,8 +23,8 @@
 
 namespace collided {
 
-/// Readers of every topic of a namespace, and a thread that writes the samples to a file. They slow down no writer:
-/// questions are read best-effort, since a reliable reader that stalls would block the clients; the writers of all
+/// Readers of every topic of a namespace, and a thread that writes the samples to a file. The readers slow down no
+/// writer: questions are read best-effort, since a stalled reliable reader would block the clients; the writers of all
 /// other topics keep only their newest samples and do not block.
 struct [[gnu::visibility("hidden")]] Recording::State {
   static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection, const std::string& path);
@@ -38,9 +38,9 @@ struct [[gnu::visibility("hidden")]] Recording::State {
  private:
   State(std::shared_ptr<client::Connection> connection, const std::string& path);
   void wait_until_heard() const;
-  // Writes what is in the world already. Returns why that is not possible; empty: done.
+  // Writes the existing world. Returns why that is not possible; empty: done.
   std::string begin_with_opening();
-  // Whether it is a command that the opening has taken into account; it is left out of the file then.
+  // True for a command whose effects are in the opening; it is left out of the file.
   bool is_in_opening(const client::RecordingQueue::Entry& entry);
   // The writing thread.
   void run();
@@ -49,7 +49,7 @@ struct [[gnu::visibility("hidden")]] Recording::State {
   // Options of a reader that puts its samples into the queue.
   template <class T>
   dds::ReaderOptions<T> into(recording::Recorded topic, std::string partition = {});
-  // Counts what is missing. False for a sample that is not to be recorded.
+  // Counts missing samples. The overloads that return bool return false for a sample that is not recorded.
   void hear(const wire::Definition& sample);
   void hear(const wire::PoseBatch& sample);
   bool hear(const wire::Query& sample);
@@ -64,12 +64,12 @@ struct [[gnu::visibility("hidden")]] Recording::State {
   mcap::FileOutput output_;
   mcap::FileWriter writer_;
   client::RecordingQueue queue_;
-  std::set<recording::CommandNumber> opening_commands_;  // those that may be heard beside it; the writing thread's
+  std::set<recording::CommandNumber> opening_commands_;  // possibly received as well; used by the writing thread
   std::atomic<bool> stopping_{false};
 
   mutable std::mutex mutex_;  // guards the members from here to the topics
   client::RecordedLoss loss_;
-  client::RecordedLoss standing_loss_;  // of events of standing questions, which have numbers of their own
+  client::RecordedLoss standing_loss_;  // of events of standing questions, which are numbered separately
   std::uint64_t epoch_ = 0;             // of the newest status
   std::deque<std::pair<std::uint64_t, std::uint64_t>>
       standing_commands_;  // client and request, without an answer so far

@@ -18,15 +18,15 @@
 
 namespace collided::client {
 
-/// Serialized samples that wait to be written to the disk, from DDS's threads to the writing one.
+/// Serialized samples that wait for the disk, from DDS's threads to the writing thread.
 ///
-/// limit    kMostBytes wait; samples beyond that are dropped and counted
+/// limit    at most kMostBytes wait; further samples are dropped and counted
 /// threads  any may put; one takes
 class RecordingQueue {
  public:
   static constexpr std::size_t kMostBytes = std::size_t{64} << 20;
   static constexpr std::size_t kTopics = recording::kRecordedTopics.size();
-  static constexpr std::size_t kMostOwn = 8;  // channels of the program that records
+  static constexpr std::size_t kMostOwn = 8;  // additional channels of the recording program
   static constexpr std::size_t kChannels = kTopics + kMostOwn;
 
   /// A sample; times are ns since 1970.
@@ -51,13 +51,13 @@ class RecordingQueue {
     }
     put(entry, wire::cdr_size(sample), [&](std::span<std::byte> room) { wire::write_cdr(sample, room); });
   }
-  /// channel  number in the file, of one of its own channels
+  /// channel  number in the file of an additional channel
   void put(std::uint16_t channel, std::string_view text, std::uint64_t log_time) {
     put({.channel = channel, .log_time = log_time, .publish_time = log_time}, text.size(),
         [&](std::span<std::byte> room) { std::ranges::copy(std::as_bytes(std::span(text)), room.begin()); });
   }
 
-  /// Swaps what waits into `batch`: as soon as there is 1 MiB of it, after `wait`, or when woken by wake().
+  /// Swaps the waiting samples into `batch` as soon as they have 1 MiB, after `wait`, or after wake().
   void take(Batch& batch, std::chrono::nanoseconds wait);
   void wake();
   /// Number of dropped samples by channel; index 0 is the first topic.

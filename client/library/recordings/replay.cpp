@@ -38,20 +38,20 @@ using recording::Recorded;
 
 constexpr std::chrono::milliseconds kAlivePeriod{100};
 
-/// The name of the command that a query's text gives.
+/// The name of the command in a query's text.
 std::string command_of(const nlohmann::json& text) {
   return text.is_object() ? text.value("command", "") : std::string();
 }
 
 nlohmann::json parsed_text(const wire::Query& query) { return nlohmann::json::parse(query.text, nullptr, false); }
 
-/// Thrown where a replay cannot go on.
+/// Thrown if a replay cannot go on.
 struct ReplayFailure : std::runtime_error {
   explicit ReplayFailure(Error given) : std::runtime_error(given.message), error(std::move(given)) {}
   Error error;
 };
 
-/// What both kinds of replay have in common: publishing recorded samples and giving recorded commands again.
+/// The base of both kinds of replay: publishes recorded samples and repeats recorded commands.
 class Replaying {
  public:
   Replaying(Connection& connection, const RecordedRun& run, const ReplayOptions& options)
@@ -84,7 +84,7 @@ class Replaying {
     if (!wire::read_cdr(run_.items[index].data, query[0])) return;
     const std::uint64_t recorded_client = query[0]->client;
     const nlohmann::json arguments = parsed_text(*query[0]);
-    // What it is attached to may be a publisher's, whose definition comes by another way.
+    // The parent may belong to a publisher, whose definition arrives on another topic.
     if (command_of(arguments) == wire_contract::command::kAttach) wait_applied();
     std::string refusal;
     ask(query, [&](const wire::Reply& reply) {
@@ -106,7 +106,7 @@ class Replaying {
     for (const std::uint64_t publisher : state.lost) publishers_.lose(publisher);
   }
 
-  /// Keeps the publishers alive. False where the caller wants to stop.
+  /// Keeps the publishers alive. False if the caller wants to stop.
   bool go_on() {
     if (Clock::now() >= next_alive_) {
       publishers_.keep_alive();
@@ -149,7 +149,7 @@ class Replaying {
   Clock::time_point next_alive_ = Clock::now();
 };
 
-/// Replays in the recording's time, or faster or slower by the rate.
+/// Replays in the recording's time, scaled by the rate.
 class TimedReplay : public Replaying {
  public:
   TimedReplay(Connection& connection, const RecordedRun& run, const ReplayOptions& options)
@@ -188,8 +188,8 @@ class TimedReplay : public Replaying {
     const double after_ns = std::max(0.0, static_cast<double>(recorded_ns - began_at_));
     return std::chrono::nanoseconds(static_cast<std::int64_t>(std::min(after_ns / options_.rate, 9e18)));
   }
-  /// Registers the publishers whose samples are due soon. Registering takes milliseconds; if many began together, the
-  /// last ones would be so late that the server dates their samples by itself.
+  /// Registers the publishers whose samples are due soon. A registration takes milliseconds; if many started together,
+  /// the last ones would be so late that the server would date their samples itself.
   void expect_publishers(std::int64_t due_ns) {
     constexpr double kAheadNs = 2e9;
     for (; expected_ < times_.order.size(); ++expected_) {
@@ -199,7 +199,7 @@ class TimedReplay : public Replaying {
       if (origin.publisher != 0) publishers_.expect(origin.publisher, origin.incarnation);
     }
   }
-  /// The time runs from now on: what came before took as long as it took.
+  /// Starts the replay's clock, since the opening may take any time.
   void begin() {
     expect_publishers(began_at_);
     publishers_.wait_until_read();
@@ -218,9 +218,9 @@ class TimedReplay : public Replaying {
     }
     return false;
   }
-  /// Since 1970, on the replay's clock.
+  /// A recorded time on the replay's clock, since 1970.
   std::int64_t replayed_at(std::int64_t recorded_ns) const { return began_ns_ + after_begin(recorded_ns).count(); }
-  /// Asks what is to be asked, while the publishers go on living.
+  /// Runs ReplayOptions::at_end while keeping the publishers alive.
   void call_at_end() {
     if (!options_.at_end) return;
     if (!began_) begin();
@@ -236,15 +236,15 @@ class TimedReplay : public Replaying {
   }
 
   const client::ReplayTimes times_;
-  std::size_t expected_ = 0;   // items, in the order of times_, whose publishers were expected
+  std::size_t expected_ = 0;   // number of items, in the order of times_, whose publishers were registered
   std::int64_t began_at_ = 0;  // time in the recording
   std::optional<Clock::time_point> began_;
-  std::int64_t began_ns_ = 0;  // the same, since 1970
+  std::int64_t began_ns_ = 0;  // that time on the replay's clock, since 1970
   dds::Sample<wire::Status> status_;
 };
 
-/// Replays state by state: publishes what each recorded state has in addition to the one before, then asks again the
-/// questions about that state, while nothing else changes.
+/// Replays state by state: publishes the samples that each recorded state adds to the one before, then repeats the
+/// questions about that state while nothing else changes.
 class AskedReplay : public Replaying {
  public:
   AskedReplay(Connection& connection, const RecordedRun& run, const ReplayOptions& options)
@@ -288,7 +288,7 @@ class AskedReplay : public Replaying {
   }
 
  private:
-  /// Sorts each publisher's samples by their numbers, since samples of two topics may arrive in another order.
+  /// Sorts each publisher's samples by number, since samples of two topics may arrive out of order.
   void sort_samples() {
     for (std::size_t i = 0; i < run_.items.size(); ++i) {
       const RecordedItem& item = run_.items[i];
@@ -374,7 +374,7 @@ class AskedReplay : public Replaying {
   dds::Sample<wire::Reply> reply_;
 };
 
-/// Warnings of what the replay needs but the recording does not bring.
+/// Warnings about requirements of the replay that the recording does not contain.
 std::vector<std::string> warnings_of(const RecordedRun& run, const Connection& connection, bool ask) {
   std::vector<std::string> warnings = run.warnings;
   const std::optional<ServerStatus> status = connection.pulse().status();

@@ -21,15 +21,15 @@ std::int64_t log_time(const RecordedItem& item) {
   return static_cast<std::int64_t>(std::min(item.log_time, static_cast<std::uint64_t>(kMostTimeNs)));
 }
 
-/// The stamps of one publisher's life beside the times at which they were recorded.
+/// The stamps of one publisher's life compared with their recording times.
 struct Dating {
   std::int64_t least_ns = kNever;  // from stamp to recording
-  // Counts of consecutive batches that were recorded late.
+  // The current run of batches that were recorded late.
   std::int64_t late_since_ns = kNever;
   std::int64_t most_late_ns = 0;
   bool is_undated = false;
 
-  /// A recorder catches up in less time than it was behind; the stamps of a clock that was wrong stay late.
+  /// A recorder catches up in less time than its delay; stamps of a wrong clock stay late.
   void note_lateness(std::int64_t logged_ns, std::int64_t stamp_ns) {
     const std::int64_t late_ns = logged_ns - stamp_ns - least_ns;
     if (late_ns < kPublisherLeaseNs) {
@@ -78,7 +78,7 @@ ReplayTimes replay_times(const RecordedRun& run) {
   for_each_stamped([&](std::size_t i, const Dating& dating, std::int64_t logged_ns, std::int64_t stamp_ns) {
     times.of[i] = dating.time_of(logged_ns, stamp_ns);
   });
-  // A publisher's samples stay in their order: what was recorded before one that is due is due, too.
+  // A publisher's samples keep their order: a sample is due no later than the samples recorded after it.
   std::map<std::uint64_t, std::int64_t> next_due;
   for (std::size_t i = run.items.size(); i-- > 0;) {
     if (run.origins[i].publisher == 0 || run.items[i].opening) continue;

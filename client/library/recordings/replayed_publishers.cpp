@@ -16,9 +16,9 @@ namespace collided::client {
 namespace {
 
 constexpr std::int64_t kPatienceNs = 2'000'000'000;
-/// Batches of all publishers that the world has yet to take: the server keeps 512, and others publish as well.
+/// Batches of all publishers that the world has not applied: the server keeps 512, and others publish as well.
 constexpr std::size_t kMostWaiting = 256;
-/// With an authority that waits for the lease of the one before, a takeover lasts 3 to 4 s.
+/// With an authority that waits for the end of the old primary's lease, a failover takes 3 to 4 s.
 constexpr std::int64_t kTakeOverPatienceNs = 6'000'000'000;
 
 }  // namespace
@@ -51,8 +51,8 @@ ReplayedPublishers::ReplayedPublishers(Connection& connection)
 ReplayedPublishers::~ReplayedPublishers() {
   step_reader_.reset();
   connection_.pulse().stop_observing(observer_);
-  // All say it before any is waited for: where a standby has just taken the server's place, the dead one's reader acknowledges
-  // nothing, and the leases of the others would run out meanwhile.
+  // All publishers send before any wait: after a failover the dead server's reader acknowledges nothing, and the leases
+  // of the others would run out meanwhile.
   for (auto& [recorded, publisher] : publishers_) remove_objects(*publisher);
   const Clock::time_point deadline = Clock::now() + std::chrono::nanoseconds(wire_contract::kPublisherLeaseNs);
   for (auto& [recorded, publisher] : publishers_) wait_until_heard(*publisher, deadline);
@@ -74,7 +74,7 @@ void ReplayedPublishers::remove_objects(Publisher& publisher) {
       definition->sequence_number = ++publisher.sequence;
       if (!publisher.object_writer.write(*definition)) break;
     }
-  } catch (const dds::DdsError&) {}  // then the lease runs out instead
+  } catch (const dds::DdsError&) {}  // the lease runs out instead
 }
 
 void ReplayedPublishers::wait_until_heard(Publisher& publisher, Clock::time_point deadline) {
@@ -110,7 +110,7 @@ ReplayedPublishers::Publisher* ReplayedPublishers::meet(std::uint64_t recorded, 
   }
   expect(recorded, incarnation);
   if (publisher->was_read) return publisher.get();
-  // Batches are volatile: one written before the server's reader is matched would be lost.
+  // Batches are volatile: a batch written before the server's reader is matched would be lost.
   const Clock::time_point deadline = Clock::now() + std::chrono::nanoseconds(kPatienceNs);
   publisher->was_read = client::wait_until(deadline, [&] { return is_read(*publisher); });
   if (!publisher->was_read) throw dds::DdsError("replay: the server reads no poses");
@@ -138,7 +138,7 @@ bool ReplayedPublishers::publish(wire::Definition& definition) {
 bool ReplayedPublishers::publish(wire::PoseBatch& batch, std::uint64_t log_time, std::int64_t source_time_ns) {
   Publisher* publisher = meet(batch.publisher, batch.incarnation);
   if (publisher == nullptr) return false;
-  // A batch that only says how far the time has come has no number.
+  // A batch that only advances time has no number.
   const bool has_number = batch.sequence_number > 0;
   if (has_number && batch.sequence_number < publisher->posed) return false;
   if (has_number && batch.sequence_number == publisher->posed && log_time != publisher->posed_at) return false;
@@ -156,9 +156,10 @@ bool ReplayedPublishers::publish(wire::PoseBatch& batch, std::uint64_t log_time,
   return true;
 }
 
-/// Of what is acknowledged and not yet in the world the server keeps so much, and of more each object's newest pose alone: events
-/// would be missed where a recording is given faster than the world steps. One that takes a dead one's place says what it has,
-/// while DDS waits for the dead one's reader. A server that lists a publisher not at all takes none of its poses.
+/// The server queues a limited number of acknowledged batches; beyond that it keeps only each object's newest pose.
+/// Events would be missed if a replay is faster than the world's steps. After a failover the new server's status shows
+/// what it has, while DDS still waits for the dead server's reader. A server that does not list a publisher accepts
+/// none of its poses.
 bool ReplayedPublishers::wait_for_room(Publisher& publisher) {
   const Clock::time_point began = Clock::now();
   std::unique_lock lock(mutex_);

@@ -18,7 +18,7 @@ bool is_true(const nlohmann::json& arguments, const char* key) {
 
 void ReplayedStanding::done(std::uint64_t recorded_client, const nlohmann::json& arguments,
                             std::span<const std::uint8_t> blob) {
-  // Removed names stay: by now another client's question may have one, with an owner of its own.
+  // Keeps removed names: another client's question may have the name by now, with its own owner.
   if (is_true(arguments, "remove")) return;
   if (!is_true(arguments, "many")) return add(recorded_client, arguments);
   const auto packed = wire_contract::unpack_fences(std::as_bytes(blob));
@@ -40,7 +40,7 @@ void ReplayedStanding::owner_gone(std::uint64_t recorded_client) {
   std::erase_if(owners_, [&](const auto& entry) {
     const auto& [name, owner] = entry;
     if (owner != recorded_client) return false;
-    // One that is gone already needs no removing.
+    // A missing question is not an error.
     static_cast<void>(remove_standing(connection_, wire_contract::glob_of(name), {}));
     return true;
   });

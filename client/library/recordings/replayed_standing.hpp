@@ -12,27 +12,27 @@
 
 namespace collided::client {
 
-/// The standing questions that a replay has made again, and the client that each goes with.
+/// The standing questions that a replay has added, each with the recorded client that owns it.
 ///
 /// threads  one
 class ReplayedStanding {
  public:
   explicit ReplayedStanding(Connection& connection) : connection_(connection) {}
 
-  /// Takes a command `fence` that was given again.
+  /// Notes a repeated command `fence`.
   ///
-  /// recorded_client  that had given it
+  /// recorded_client  its recorded sender
   void done(std::uint64_t recorded_client, const nlohmann::json& arguments, std::span<const std::uint8_t> blob);
-  /// Removes what that client had added without keeping it.
+  /// Removes the questions that this client had added without `keep`.
   void owner_gone(std::uint64_t recorded_client);
-  /// How many were made.
+  /// Number of added questions.
   std::uint64_t made() const { return made_; }
 
  private:
   void add(std::uint64_t recorded_client, const nlohmann::json& arguments);
 
   Connection& connection_;
-  std::map<std::string, std::uint64_t> owners_;  // of those that were not kept, by name
+  std::map<std::string, std::uint64_t> owners_;  // of questions without `keep`, by name
   std::uint64_t made_ = 0;
 };
 

@@ -16,7 +16,7 @@ bool is_angle(JointKind kind) { return kind == JointKind::revolute || kind == Jo
 
 const char* unit_of(JointKind kind) { return is_angle(kind) ? " rad" : " m"; }
 
-/// Where the joint puts its child's frame, in that frame as it is at 0.
+/// The pose of the joint's child frame, relative to that frame at position 0.
 Pose motion_of(const RobotJoint& joint, double position) {
   if (is_angle(joint.kind)) return {Vec3::Zero(), Quat(Eigen::AngleAxisd(position, joint.axis))};
   if (joint.kind == JointKind::prismatic) return {position * joint.axis, Quat::Identity()};
@@ -39,10 +39,10 @@ std::string list_of(const std::vector<RobotJoint>& joints) {
   return count == 0 ? "no joint of the robot moves" : "joints that can be set: " + text;
 }
 
-/// What an angle of more than a turn may mean; empty for others.
+/// A warning for an angle of more than a turn, which may be in degrees; empty for others.
 std::string degrees_doubt(const RobotJoint& joint, double position) {
   if (!is_angle(joint.kind) || !(std::abs(position) > 2 * std::numbers::pi)) return {};
-  const double meant_rad = std::round(1e3 * position * std::numbers::pi / 180) / 1e3;  // three digits will do
+  const double meant_rad = std::round(1e3 * position * std::numbers::pi / 180) / 1e3;  // three digits suffice
   return words(std::round(position * 180 / std::numbers::pi)) + " degrees; if degrees were meant, " + words(meant_rad) +
          " rad";
 }
@@ -56,7 +56,7 @@ std::optional<std::size_t> Robot::find_joint(std::string_view name) const {
 }
 
 double Robot::position_of(std::size_t joint, std::span<const double> positions) const {
-  // A chain of joints that follow each other ends: the reader refuses a ring.
+  // A chain of following joints is finite: the reader refuses cycles.
   double multiplier = 1, offset = 0;
   while (joints_[joint].mimic) {
     const RobotJoint::Mimic& mimic = *joints_[joint].mimic;

@@ -15,7 +15,7 @@ namespace {
 constexpr std::size_t kMostLinks = 10'000;
 constexpr std::streamoff kMostBytes = 64 << 20;
 
-/// What is wrong with the text, without its source.
+/// The fault of a text, without its source.
 struct Fault {
   std::string what;
 };
@@ -28,7 +28,7 @@ std::string quote(const std::string& text) {
   return quoted += '\'';
 }
 
-/// Exactly `count` finite numbers with blanks between.
+/// Reads exactly `count` finite numbers separated by blanks.
 std::vector<double> numbers_in(const std::string& text, std::size_t count, const std::string& where) {
   std::vector<double> numbers;
   const char* at = text.data();
@@ -37,7 +37,7 @@ std::vector<double> numbers_in(const std::string& text, std::size_t count, const
     while (at != end && std::string_view(" \t\r\n").find(*at) != std::string_view::npos) ++at;
   };
   for (skip_blanks(); at != end; skip_blanks()) {
-    if (*at == '+') ++at;  // from_chars takes none
+    if (*at == '+') ++at;  // from_chars refuses it
     double number = 0;
     const auto [after, error] = std::from_chars(at, end, number);
     if (error != std::errc() || !std::isfinite(number)) throw Fault{where + ": " + quote(text) + " is not numbers"};
@@ -71,7 +71,7 @@ Pose origin_in(const pugi::xml_node& node, const std::string& where) {
 
 }  // namespace
 
-/// Makes a Robot of its description. Throws Fault.
+/// Makes a Robot from its description. Throws Fault.
 class RobotReader {
  public:
   Robot read(const pugi::xml_node& robot) {
@@ -138,7 +138,7 @@ class RobotReader {
     if (joint.lower > joint.upper) throw Fault{where + ": its lower limit is above the upper one"};
   }
 
-  /// Numbers links from the root on, and joints by their children.
+  /// Numbers links from the root, and joints by their children.
   void put_in_order(const std::vector<std::string>& names) {
     std::vector<std::vector<std::size_t>> joints_below(names.size());
     std::vector<int> parents(names.size());

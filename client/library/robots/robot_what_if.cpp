@@ -3,7 +3,7 @@
 #include "client/library/connection/errors.hpp"
 #include "collided/robot.hpp"
 
-// Where a robot would be, by its joints.
+// What-if questions about a robot's joint positions.
 namespace collided {
 
 Result<RobotObjects> robot_objects(Client& client, const Robot& robot, const std::string& scene) {
