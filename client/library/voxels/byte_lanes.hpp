@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <cstring>
 
-/// A word's bits beside 64 bytes, eight at a time in the lanes of a 64-bit number.
+/// Operations on a word's bits and 64 corresponding bytes, eight at a time in the lanes of a 64-bit number.
 namespace collided::client {
 
 inline constexpr std::uint64_t kEachLane = 0x0101'0101'0101'0101;
@@ -16,11 +16,11 @@ inline std::uint64_t load_lanes(const std::uint8_t* bytes) {
   return lanes;
 }
 
-/// Sets the bytes whose bits are set.
+/// Sets the bytes whose bits are 1.
 inline void set_lanes(std::uint8_t* bytes, std::uint64_t bits, std::uint8_t value) {
   static_assert(std::endian::native == std::endian::little, "lane i is byte i");
   for (std::size_t group = 0; group < 8; ++group, bytes += 8, bits >>= 8) {
-    // Each lane keeps one bit of its own, which becomes all of the lane's.
+    // Each lane keeps one bit, which then fills the lane.
     const std::uint64_t own = (bits & 0xff) * kEachLane & 0x8040'2010'0804'0201;
     const std::uint64_t mask = ((own + 0x7f7f'7f7f'7f7f'7f7f) & kTopBits) / 0x80 * 0xff;
     const std::uint64_t lanes = (load_lanes(bytes) & ~mask) | (kEachLane * value & mask);
@@ -28,7 +28,7 @@ inline void set_lanes(std::uint8_t* bytes, std::uint64_t bits, std::uint8_t valu
   }
 }
 
-/// The bits of the bytes that are more than `most` before `now`, modulo 256.
+/// The bits of the bytes that are more than `most` behind `now`, modulo 256.
 ///
 /// most  below 128
 inline std::uint64_t lanes_older(const std::uint8_t* bytes, std::uint8_t now, std::uint8_t most) {

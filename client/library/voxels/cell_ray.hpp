@@ -12,24 +12,24 @@
 namespace collided::client {
 
 inline constexpr std::int32_t kMostCellNumber = 1 << 23;
-/// Products of three lengths along a longer ray do not fit 64 bits.
+/// Products of three lengths along a longer ray do not fit into 64 bits.
 inline constexpr std::int32_t kLongestRayCells = 16'000;
 inline constexpr std::int64_t kUnitsPerCell = 64;
 
-/// The greatest number n with n * cell_m <= x, exactly; nothing where it is beyond kMostCellNumber or x is not finite.
+/// The greatest number n with n * cell_m <= x, exactly; nothing if it is beyond kMostCellNumber or x is not finite.
 ///
 /// cell_m  of at most 24 significant bits, so that all products are exact
 inline std::optional<std::int32_t> cell_number(double x, double cell_m) {
   const double guess = x / cell_m;
   if (!(std::abs(guess) < kMostCellNumber)) return std::nullopt;
-  // The quotient is off by far less than one.
+  // The error of the quotient is far below one.
   auto number = static_cast<std::int32_t>(guess + kMostCellNumber) - kMostCellNumber;
   if (number * cell_m > x) --number;
   else if ((number + 1) * cell_m <= x) ++number;
   return number;
 }
 
-/// Where a ray begins: in a cell, at an odd number of 64ths of it along each axis, so that it is on no border.
+/// The start of a ray: a point in a cell, at an odd number of 64ths along each axis, so that it is not on a border.
 struct RayStart {
   VoxelNumber cell{};
   std::array<std::int64_t, 3> units{};  // 1 to 63
@@ -49,26 +49,26 @@ inline std::optional<RayStart> ray_start(const Vec3& origin, double cell_m) {
   return start;
 }
 
-/// A ray along one axis, by the times at which it meets the borders of cells.
+/// A ray along one axis, by the times at which it crosses the borders of cells.
 struct AxisRay {
   std::int32_t start = 0;  // the cell it begins in
   std::int32_t step = 0;   // 1 or -1
-  std::int64_t first = 0;  // when it meets the first border
+  std::int64_t first = 0;  // time of the first border
   std::int64_t stride = 0;
   double per_stride = 0;  // its reciprocal
 
-  /// How many borders it meets up to that time, from 0 to the ray's end, one met then included.
+  /// Number of borders crossed up to and including `time`, from 0 to the ray's end.
   std::int64_t borders(std::int64_t time) const {
     const std::int64_t ahead = time - first;
-    // The product is off by less than one: by a few roundings of at most 2^14.
+    // The error of the product is below one: a few roundings at a size of at most 2^14.
     const auto guess = static_cast<std::int64_t>(static_cast<double>(ahead) * per_stride);
     const std::int64_t rest = ahead - guess * stride;
     return guess + 1 + static_cast<std::int64_t>(rest >= stride) - static_cast<std::int64_t>(rest < 0);
   }
 };
 
-/// A segment from its start to the middle of the cell `end`. Time is whole numbers over one denominator, so that which cells
-/// it meets is decided exactly: those whose inside it meets.
+/// A segment from its start to the centre of the cell `end`. Times are integers over one denominator, so that the cells
+/// whose interior it meets are determined exactly.
 ///
 /// end  within kLongestRayCells of the start along each axis
 struct CellRay {
@@ -85,7 +85,7 @@ struct CellRay {
   std::int64_t end = 0;  // a time on no border
 
  private:
-  /// Returns its length along the axis, which is odd, and so never 0: no ray runs along a border.
+  /// Returns its length along the axis, which is odd and thus never 0: no ray runs along a border.
   static std::int64_t set(AxisRay& ray, const RayStart& from, const VoxelNumber& to, std::size_t axis) {
     const std::int64_t along =
         kUnitsPerCell * (std::int64_t{to[axis]} - from.cell[axis]) + kUnitsPerCell / 2 - from.units[axis];
@@ -101,7 +101,8 @@ struct CellRay {
   }
 };
 
-/// Numbers blocks by their place: neighbours along x differ by `x`, and so on; place 0, 0, 0 has `origin`.
+/// Numbers blocks by their place: neighbours along x differ by `x`, and likewise for y and z; place 0, 0, 0 has
+/// `origin`.
 struct BlockNumbering {
   std::int64_t origin = 0;
   std::int64_t x = 1, y = 0, z = 0;
@@ -121,16 +122,16 @@ struct AxisWalk {
 
   std::int32_t block = 0;
   std::int64_t step = 0;
-  std::int64_t next = 0;  // when it leaves the block
+  std::int64_t next = 0;  // time at which it leaves the block
   std::int64_t stride = 0;
 };
 
-/// The blocks of 2^kBits cells along each axis whose inside a ray meets, in order, from a time on: at an edge or a corner it
-/// goes on beyond it, since the blocks beside are touched, not met.
+/// The blocks of 2^kBits cells along each axis whose interior a ray meets, in order, from a time on. At an edge or a
+/// corner it continues with the block beyond, since the adjacent blocks are only touched.
 template <int kBits>
 class BlockWalk {
  public:
-  /// mask  the bits of places that count
+  /// mask  the significant bits of places
   BlockWalk(const CellRay& ray, std::int64_t from, const BlockNumbering& by, std::int32_t mask = -1)
       : x_(ray.x, from), y_(ray.y, from), z_(ray.z, from) {
     at_ = by.origin + (x_.block & mask) * by.x + (y_.block & mask) * by.y + (z_.block & mask) * by.z;
@@ -139,9 +140,9 @@ class BlockWalk {
     z_.step *= by.z;
   }
 
-  /// The number of its block.
+  /// The number of the current block.
   std::int64_t at() const { return at_; }
-  /// When it meets the border of its block; beyond the ray's end where it ends within.
+  /// When it leaves its block; beyond the ray's end if that is within the block.
   std::int64_t leaves() const { return std::min(x_.next, std::min(y_.next, z_.next)); }
   void step() {
     const std::int64_t soonest = leaves();
@@ -151,7 +152,7 @@ class BlockWalk {
   }
 
  private:
-  /// Without a branch, which no processor would foresee.
+  /// Branch-free, since the branch would be unpredictable.
   void go_on(AxisWalk<kBits>& axis, std::int64_t time) {
     const auto is_met = -static_cast<std::int64_t>(axis.next == time);
     at_ += axis.step & is_met;

@@ -73,7 +73,7 @@ struct [[gnu::visibility("hidden")]] ShownVoxels {
   }
 
   UnknownCells unknown() const { return grid.tiles_->options.unknown; }
-  /// The places of tiles that the world is told of, without those that it is to forget.
+  /// Visits the places of published tiles, without those to be removed.
   template <class Visit>
   void for_each_told(Visit && visit) const {
     for (const auto& [key, shown] : objects) {
@@ -96,11 +96,11 @@ struct [[gnu::visibility("hidden")]] ShownVoxels {
   std::string name;
   std::uint32_t layers;
   LostPolicy lost_policy;
-  std::unordered_map<std::uint64_t, TileObjects> objects;  // by place: of all tiles that the world is told of
-  std::optional<Publisher::Object> between;                // the tiles of the range that it is not told of
+  std::unordered_map<std::uint64_t, TileObjects> objects;  // of all published tiles, by place
+  std::optional<Publisher::Object> between;                // the unpublished tiles of the range
   Shape between_shape;
   std::array<std::optional<Publisher::Object>, 6> outside;  // below and above the range along each axis
-  std::optional<TileRange> outside_of;                      // the range that those are about
+  std::optional<TileRange> outside_of;                      // the range for which those were made
   std::size_t object_count = 0;
 };
 
@@ -129,7 +129,7 @@ Result<void> client::ShownVoxels::show(Publisher& publisher, std::optional<Publi
   return {};
 }
 
-/// An empty tile counts among those between.
+/// An empty tile belongs to `between`.
 TileBits client::ShownVoxels::occupied_of(const VoxelTile& tile) const {
   TileBits bits = tile.occupied;
   if (unknown() != UnknownCells::occupied || tile.is_empty()) return bits;
@@ -144,7 +144,7 @@ TileBits client::ShownVoxels::unknown_of(const VoxelTile& tile) const {
   return bits;
 }
 
-/// Cells have only become free, and not for long.
+/// True if cells have only become free, and only recently.
 bool client::ShownVoxels::may_wait(const VoxelTile& tile, std::int64_t time_ns) const {
   if (!tile.is_told || tile.is_empty() || time_ns - tile.told_ns >= grid.tiles_->options.clearing_delay.count())
     return false;
@@ -231,7 +231,7 @@ Result<void> client::ShownVoxels::show_outside(Publisher& publisher, const TileR
   return {};
 }
 
-/// All that no tile is about.
+/// Publishes the space without tiles.
 Result<void> client::ShownVoxels::show_rest(Publisher& publisher, bool is_outside_first) {
   if (unknown() == UnknownCells::free) return {};
   TileRange range;
@@ -243,10 +243,10 @@ Result<void> client::ShownVoxels::show_rest(Publisher& publisher, bool is_outsid
   return is_outside_first ? Result<void>() : show_outside(publisher, range);
 }
 
-/// Sends what has changed in an order in which no cell is free that was not and will not be: what becomes occupied comes
-/// before it is no longer unknown, and what becomes unknown before it is no longer occupied.
+/// Sends the changes in an order in which no cell is transiently free: a cell becomes occupied before it stops being
+/// unknown, and unknown before it stops being occupied.
 ///
-/// is_known_less  cells have become unknown; else none has
+/// is_known_less  cells have become unknown; otherwise none has
 Result<void> client::ShownVoxels::send(Publisher& publisher, bool is_known_less, std::int64_t time_ns) {
   std::vector<VoxelTile*>& changed = grid.tiles_->changed;
   const auto due =
@@ -288,7 +288,7 @@ Result<PublishedVoxels> PublishedVoxels::start(Publisher& publisher, const std::
 
 namespace {
 
-/// The order in which what has changed is sent depends on what a scan did; what old cells did comes before it.
+/// Inserts a scan in two steps, since the order of sending depends on the changes: the decay of old cells comes first.
 template <class Insert>
 Result<VoxelScan> sent(const Insert& insert, const auto& decay, const auto& send) {
   const std::size_t decayed = decay();
@@ -313,7 +313,7 @@ Result<VoxelScan> PublishedVoxels::insert(Publisher& publisher, std::span<const 
               [&](bool is_known_less) { return shown_->send(publisher, is_known_less, time.count()); });
 }
 
-/// A map may both name cells that were unknown and no longer name some: what it forgets is sent first, as a decay.
+/// A map may both add cells and omit earlier ones; the omitted ones are sent first, as a decay.
 Result<VoxelScan> PublishedVoxels::assign(Publisher& publisher, std::span<const VoxelBlock> blocks,
                                           std::chrono::nanoseconds time) {
   const VoxelScan scan = shown_->grid.assign(blocks, time);

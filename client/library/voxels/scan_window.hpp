@@ -10,10 +10,10 @@
 
 namespace collided::client {
 
-/// A box of places of tiles.
+/// A box of tile places.
 struct PlaceBox {
   VoxelNumber low{};
-  VoxelNumber high{};  // the last ones
+  VoxelNumber high{};  // inclusive
 
   void extend(const VoxelNumber& place) {
     for (std::size_t axis = 0; axis < 3; ++axis) {
@@ -25,13 +25,13 @@ struct PlaceBox {
   std::int64_t count() const { return size(0) * size(1) * size(2); }
 };
 
-/// The tiles of a box, where one look finds those that rays of a scan still change.
+/// An array over the tiles of a box, with the tiles that rays of a scan still change.
 class ScanWindow {
  public:
-  /// 8 MB of pointers, which are cleared with each scan.
+  /// 8 MB of pointers, cleared with each scan.
   static constexpr std::int64_t kMostTiles = 1 << 20;
 
-  /// Null everywhere.
+  /// Sets all entries to null.
   ///
   /// box  of at most kMostTiles
   void begin_scan(const PlaceBox& box) {

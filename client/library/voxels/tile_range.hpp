@@ -6,7 +6,7 @@
 
 namespace collided::client {
 
-/// Blocks of tiles, from low to before end along each axis.
+/// A box of tiles, from low (inclusive) to end (exclusive) along each axis.
 struct TileRange {
   VoxelNumber low{};
   VoxelNumber end{};

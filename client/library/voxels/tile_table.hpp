@@ -9,14 +9,15 @@
 
 namespace collided::client {
 
-/// The tiles of a grid by their place. The latest ones are found without the map, since rays of one scan cross the same.
+/// The tiles of a grid by their place. The latest tiles are found without the map, since rays of one scan cross the
+/// same ones.
 ///
 /// threads  one at a time; a tile stays where it is until it is removed
 class TileTable {
  public:
   explicit TileTable(std::size_t most) : most_(most), recent_(kRecent) {}
 
-  /// Keys of places; those are within 2^19 of 0.
+  /// Keys of places, which are within 2^19 of 0.
   static constexpr BlockNumbering kKeys{.origin = 0, .x = std::int64_t{1} << 42, .y = std::int64_t{1} << 21, .z = 1};
   static std::int64_t key_of(const VoxelNumber& place) {
     return place[0] * kKeys.x + place[1] * kKeys.y + place[2] * kKeys.z;
@@ -28,7 +29,7 @@ class TileTable {
     return {static_cast<std::int32_t>((key - z - y * kKeys.y) >> 42), y, z};
   }
 
-  /// Null: there is none.
+  /// Null if there is none.
   VoxelTile* find(const VoxelNumber& place) { return find(key_of(place)); }
   VoxelTile* find(std::int64_t key) {
     Recent& recent = recent_[slot_of(key)];
@@ -42,7 +43,7 @@ class TileTable {
     const auto found = tiles_.find(key_of(place));
     return found == tiles_.end() ? nullptr : found->second.get();
   }
-  /// Null: there are as many as may be.
+  /// Null if the maximum number is reached.
   VoxelTile* found_or_made(const VoxelNumber& place) {
     if (VoxelTile* known = find(place); known != nullptr) return known;
     if (tiles_.size() >= most_) return nullptr;

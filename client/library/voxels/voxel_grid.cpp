@@ -86,7 +86,7 @@ VoxelScan client::VoxelTiles::assign(std::span<const VoxelBlock> blocks, std::ch
   tick_ = std::max(tick_, tick_of(time));
   met_.clear();
   for (const VoxelBlock& block : blocks) set_block(block, scan);
-  // What the map does not name it does not know.
+  // Cells that the map omits are unknown.
   tiles.for_each([&](VoxelTile& tile) {
     bool is_changed = false;
     for (std::size_t word = 0; word < client::kTileWords; ++word) {
@@ -133,7 +133,7 @@ void client::VoxelTiles::set_block(const VoxelBlock& block, VoxelScan& scan) {
   }
 }
 
-/// The cells of the block that are in the tile.
+/// Sets the cells of the block that are in the tile.
 void client::VoxelTiles::set_cells(VoxelTile& tile, const VoxelBlock& block, const VoxelNumber& high, VoxelScan& scan) {
   const bool is_occupied = block.state == VoxelState::occupied;
   VoxelNumber low{}, end{};
@@ -160,7 +160,7 @@ std::int64_t client::VoxelTiles::tick_of(std::chrono::nanoseconds time) const {
                                     : time.count() / std::max<std::int64_t>(options.decay.count() / kTicksOfDecay, 1);
 }
 
-/// Ticks are kept modulo 256, which is enough while all cells are looked at whenever a tick has passed.
+/// Ticks are kept modulo 256, which suffices since all cells are checked at every tick.
 std::size_t client::VoxelTiles::decay(std::chrono::nanoseconds time) {
   tick_ = std::max(tick_, tick_of(time));
   const std::int64_t passed = tick_ - looked_at_tick_;

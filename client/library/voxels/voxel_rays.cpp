@@ -9,10 +9,10 @@ namespace {
 
 constexpr std::int32_t kBrickMask = (1 << kBrickBits) - 1;
 constexpr std::int32_t kBricksMask = (1 << (kTileBits - kBrickBits)) - 1;
-/// Of cells in a brick, and of bricks in a tile.
+/// Numbers cells in a brick, and bricks in a tile.
 constexpr BlockNumbering kFours{.origin = 0, .x = 1, .y = 4, .z = 16};
 
-/// The cells that a ray meets in one brick between two times, by their bits. It is within the brick all that time.
+/// The bits of the cells that a ray meets between two times at which it is within one brick.
 std::uint64_t cells_met(const CellRay& ray, std::int64_t from, std::int64_t until) {
   std::uint64_t met = 0;
   for (BlockWalk<0> walk(ray, from, kFours, kBrickMask);; walk.step()) {
@@ -21,7 +21,7 @@ std::uint64_t cells_met(const CellRay& ray, std::int64_t from, std::int64_t unti
   }
 }
 
-/// Notes what a ray meets in a tile between two times. It is within the tile all that time.
+/// Marks the cells that a ray meets between two times at which it is within one tile.
 void cross(VoxelTile& tile, const CellRay& ray, std::int64_t from, std::int64_t until) {
   for (BlockWalk<kBrickBits> walk(ray, from, kFours, kBricksMask);; walk.step()) {
     const std::int64_t leaves = std::min(walk.leaves(), until);
@@ -35,7 +35,7 @@ void cross(VoxelTile& tile, const CellRay& ray, std::int64_t from, std::int64_t 
   }
 }
 
-/// Walks a ray from a time on through the tiles that find(number) returns; null: one in which it changes nothing.
+/// Walks a ray from a time on through the tiles that find(number) returns; null: a tile in which it changes nothing.
 template <class Find>
 void clear_way(const CellRay& ray, std::int64_t from, const BlockNumbering& by, Find&& find) {
   for (BlockWalk<kTileBits> walk(ray, from, by);; walk.step()) {
@@ -48,7 +48,8 @@ void clear_way(const CellRay& ray, std::int64_t from, const BlockNumbering& by, 
 
 }  // namespace
 
-/// Each ray once, however many points its cell has: tile by tile, so that rays that are near to each other follow each other.
+/// Follows each ray once, however many points its cell has. It goes tile by tile, so that nearby rays follow each
+/// other.
 void VoxelTiles::clear_ways(const RayStart& start) {
   const std::size_t with_points = met_.size();
   std::sort(clear_ends_.begin(), clear_ends_.end());
@@ -77,7 +78,8 @@ void VoxelTiles::clear_ways(const RayStart& start) {
   for (const VoxelNumber& end : clear_ends_) clear(end);
 }
 
-/// Notes which cells a ray would change. Of free ones only that they were met is kept, once a tick.
+/// Marks the cells that a ray would change. A ray changes free cells only once per tick, when it records that they were
+/// met.
 void VoxelTiles::open(VoxelTile& tile) const {
   tile.settled = 0;
   for (std::size_t word = 0; word < kTileWords; ++word) {
@@ -88,7 +90,7 @@ void VoxelTiles::open(VoxelTile& tile) const {
   }
 }
 
-/// The tile of that place where a ray may change it, else null; makes it where what is free is kept.
+/// The tile at that place if a ray may change it, else null. Makes the tile if free cells are kept.
 VoxelTile* VoxelTiles::in_table(const VoxelNumber& place) {
   VoxelTile* tile = keeps_free() ? tiles.found_or_made(place) : tiles.find(place);
   if (tile == nullptr) return nullptr;

@@ -36,7 +36,7 @@ template VoxelScan VoxelTiles::insert(std::span<const double>, const std::option
 template <class Number>
 void VoxelTiles::take_points(std::span<const Number> points, const std::optional<Vec3>& origin, VoxelScan& scan) {
   const double longest_m = std::min(options.reach_m, kLongestRayCells * cell_m);
-  // Most points are so near that no root need be taken.
+  // Most points are so near that no square root is needed.
   const double surely_m2 = longest_m * longest_m * (1 - 1e-12);
   VoxelTile* tile = nullptr;
   for (std::size_t i = 0; i + 2 < points.size(); i += 3) {
@@ -91,7 +91,7 @@ void VoxelTiles::note_changed(VoxelTile& tile) {
   changed.push_back(&tile);
 }
 
-/// A point counts more than a ray through its cell: those of one scan graze the cells of each other's points.
+/// A point outweighs rays through its cell, since rays of a scan graze the cells of other points.
 void VoxelTiles::apply(VoxelScan& scan) {
   for (VoxelTile* tile : met_) {
     if (tile->fresh_tick != tick_) tile->fresh = {};
@@ -110,7 +110,7 @@ void VoxelTiles::apply(VoxelScan& scan) {
   }
 }
 
-/// True: cells are other than before.
+/// Returns true if cells have changed.
 bool VoxelTiles::apply_brick(VoxelTile& tile, std::size_t word, std::uint64_t crossed) const {
   const std::uint64_t hit = tile.hit[word], known = tile.known[word];
   std::uint64_t occupied = tile.occupied[word];

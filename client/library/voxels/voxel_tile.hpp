@@ -13,12 +13,13 @@ inline constexpr std::size_t kTileCells = std::size_t{1} << (3 * kTileBits);
 inline constexpr int kBrickBits = 2;
 inline constexpr std::size_t kTileWords = kTileCells / 64;
 
-/// One bit a cell. A word is a brick of 4 x 4 x 4 cells: bit x + 4 * (y + 4 * z) of it, and the bricks of a tile likewise.
+/// One bit per cell. A word is a brick of 4 x 4 x 4 cells, with bit x + 4 * (y + 4 * z); the bricks of a tile are
+/// ordered in the same way.
 using TileBits = std::array<std::uint64_t, kTileWords>;
 inline constexpr std::uint64_t kAllBits = ~std::uint64_t{0};
 
-/// A block of 16 x 16 x 16 cells. Without memory of what is free, a free cell is as one that was never met.
-/// Always: occupied is within known, and fresh within known.
+/// A block of 16 x 16 x 16 cells. If free cells are not kept, a free cell equals one that was never met. Invariant:
+/// occupied and fresh are subsets of known.
 struct VoxelTile {
   VoxelNumber place{};  // in tiles
   TileBits known{};     // met by a scan and not decayed since
@@ -27,16 +28,16 @@ struct VoxelTile {
   std::array<std::int8_t, kTileCells> odds{};   // log odds of being occupied, in steps of 0.05, of occupied cells
   std::array<std::uint8_t, kTileCells> seen{};  // tick of the last scan that met the cell, modulo 256
   std::int64_t fresh_tick = 0;
-  bool is_changed = false;  // since its owner last took the changes
+  bool is_changed = false;  // since the owner last took the changes
 
-  // Of the scan at work.
+  // State of the current scan.
   bool is_met = false;
   TileBits hit{};             // cells with points
   TileBits open{};            // cells that a ray would change, before the rays
-  TileBits crossed{};         // by rays; others than open ones may be left out
-  std::uint64_t settled = 0;  // bricks in which no ray changes anything more
+  TileBits crossed{};         // by rays; cells that are not open may be missing
+  std::uint64_t settled = 0;  // bricks that rays no longer change
 
-  // What its owner has told of it: that cells are occupied, or unknown, and when.
+  // The state that the owner has published: occupied and unknown cells, and the time.
   TileBits told_occupied{};
   TileBits told_unknown{};
   std::int64_t told_ns = 0;
@@ -45,7 +46,7 @@ struct VoxelTile {
   bool is_empty() const { return known == TileBits{}; }
 };
 
-/// Where a cell of a tile has its bit: the brick's number times 64, and the cell's within it.
+/// The index of a cell's bit in a tile: the brick's number times 64, plus the cell's number in the brick.
 inline std::size_t cell_in_tile(const VoxelNumber& cell) {
   constexpr std::int32_t kBrickMask = (1 << kBrickBits) - 1;
   std::size_t at = 0;
@@ -61,7 +62,7 @@ inline std::size_t brick_in_tile(const VoxelNumber& brick) {
 inline VoxelNumber tile_of(const VoxelNumber& cell) {
   return {cell[0] >> kTileBits, cell[1] >> kTileBits, cell[2] >> kTileBits};
 }
-/// The cell whose bit is there in the tile of that place.
+/// The cell with this index in the tile at that place.
 inline VoxelNumber cell_of(const VoxelNumber& place, std::size_t cell_in_tile) {
   constexpr std::size_t kBrickMask = (1 << kBrickBits) - 1;
   VoxelNumber cell{};

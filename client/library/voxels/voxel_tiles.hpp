@@ -10,10 +10,10 @@
 
 namespace collided::client {
 
-/// Log odds at most, in steps of 0.05.
+/// Maximum log odds, in steps of 0.05.
 inline constexpr int kMostOdds = 70;
 
-/// The tiles of a grid, and the scan at work.
+/// The tiles of a grid, and the current scan.
 struct [[gnu::visibility("hidden")]] VoxelTiles {
   VoxelTiles(const VoxelOptions& asked, double rounded_m)
       : options(asked), cell_m(rounded_m), tiles(asked.most_blocks) {}
@@ -27,12 +27,12 @@ struct [[gnu::visibility("hidden")]] VoxelTiles {
   VoxelOptions options;
   double cell_m;
   TileTable tiles;
-  // An owner takes what has changed, and removes the tiles that are empty then.
+  // True if an owner takes the changes and removes empty tiles.
   bool is_watched = false;
   std::vector<VoxelTile*> changed;
 
  private:
-  /// What is free is kept only where what is unknown is something else.
+  /// Free cells are kept only if unknown cells differ from free ones.
   bool keeps_free() const { return options.unknown != UnknownCells::free; }
   template <class Number>
   void take_points(std::span<const Number> points, const std::optional<Vec3>& origin, VoxelScan& scan);
@@ -50,12 +50,12 @@ struct [[gnu::visibility("hidden")]] VoxelTiles {
   void note_changed(VoxelTile & tile);
   std::int64_t tick_of(std::chrono::nanoseconds time) const;
 
-  std::vector<VoxelTile*> met_;          // by the scan at work
-  std::vector<VoxelNumber> clear_ends_;  // where rays end that are longer than the reach
-  ScanWindow window_;                    // of the scan at work
-  VoxelTile nothing_;                    // stands in the window for tiles in which rays change nothing
+  std::vector<VoxelTile*> met_;          // by the current scan
+  std::vector<VoxelNumber> clear_ends_;  // ends of rays that are longer than the reach
+  ScanWindow window_;                    // of the current scan
+  VoxelTile nothing_;                    // placeholder in the window for tiles in which rays change nothing
   std::int64_t tick_ = 0;                // of the newest time
-  std::int64_t looked_at_tick_ = 0;      // when all cells were last looked at
+  std::int64_t looked_at_tick_ = 0;      // when all cells were last checked
 };
 
 }  // namespace collided::client

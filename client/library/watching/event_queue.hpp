@@ -14,7 +14,7 @@
 
 namespace collided::client {
 
-/// Events that wait to be polled. When it is full the oldest is dropped and counted.
+/// A queue of events to be polled. When it is full, the oldest is dropped and counted.
 ///
 /// threads  any
 template <class News>
@@ -35,7 +35,7 @@ class EventQueue {
   }
   std::optional<News> next(std::chrono::nanoseconds wait) {
     std::unique_lock lock(mutex_);
-    // An endless wait would overflow the clock, so it is cut to a year.
+    // An infinite wait would overflow the clock, so it is limited to a year.
     const auto most = std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
     if (!came_.wait_until(lock, Clock::now() + most, [this] { return !events_.empty(); })) return std::nullopt;
     News event = std::move(events_.front());

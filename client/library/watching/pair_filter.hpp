@@ -6,7 +6,7 @@
 
 namespace collided::client {
 
-/// Whether one of the two names matches `only` and none matches `skip`. An empty `only` matches everything, an empty
+/// True if one of the two names matches `only` and none matches `skip`. An empty `only` matches everything, an empty
 /// `skip` nothing.
 bool is_wanted(const Event& event, const std::string& only, const std::string& skip);
 

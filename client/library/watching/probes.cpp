@@ -28,7 +28,7 @@ Result<void> add_probe(Connection& connection, const Probe& probe) {
                            {"origin", json_of(probe.origin)},
                            {"direction", json_of(probe.direction)},
                            {"back_m", probe.back_m}};
-  // JSON has no infinity: a probe without reach_m is endless.
+  // JSON has no infinity: a probe without reach_m has an infinite reach.
   if (!std::isinf(probe.reach_m) || probe.reach_m < 0) arguments["reach_m"] = probe.reach_m;
   return read_answer(command(connection, wire_contract::command::kProbe, arguments, kTimeout), "probe",
                      [](const nlohmann::json&) {});
@@ -95,7 +95,7 @@ Result<std::unique_ptr<ProbeReader>> ProbeReader::start(std::shared_ptr<Connecti
   } catch (const dds::DdsError& failed) { return failure_of(failed); }
 }
 
-/// A callback that comes before its reader is there leaves the samples with it.
+/// A callback that runs before its reader exists leaves the samples in it.
 void ProbeReader::take() {
   if (!has_reader_.load()) return;
   const std::lock_guard one(taking_mutex_);
@@ -104,7 +104,7 @@ void ProbeReader::take() {
     const dds_sample_info_t& info = incoming_.info();
     if (!info.valid_data || !connection_->is_from_server(*reader_, info, incoming_->server)) continue;
     if (incoming_->epoch < connection_->pulse().epoch())
-      continue;  // an earlier server's, which was stopped and goes on
+      continue;  // from an earlier server, which was suspended and resumed
     if (!decode(*incoming_, connection_->names(), decoded_)) { continue; }
     const std::lock_guard lock(mutex_);
     for (ProbeReading& reading : decoded_) {
@@ -123,7 +123,7 @@ void ProbeReader::take() {
 
 std::optional<ProbeReading> ProbeReader::next(std::chrono::nanoseconds wait) {
   std::unique_lock lock(mutex_);
-  // An endless wait would overflow the clock, so it is cut to a year.
+  // An infinite wait would overflow the clock, so it is limited to a year.
   const auto most = std::min<std::chrono::nanoseconds>(wait, std::chrono::hours(24 * 365));
   if (!came_.wait_until(lock, Clock::now() + most, [this] { return !readings_.empty(); })) { return std::nullopt; }
   ProbeReading reading = std::move(readings_.front());

@@ -10,8 +10,8 @@
 
 namespace collided {
 
-/// A reading as `probes` and a watch report it; the object is not known where it is absent. The answer of `probes` has the
-/// members that are common to all readings once.
+/// A reading in the answer of `probes` and in a watch; `object` is unknown if the state is absent. The answer of
+/// `probes` has the members common to all readings only once.
 constexpr auto fields_of(const ProbeReading*) {
   using T = ProbeReading;
   constexpr auto has_object = [](const T& reading) { return reading.state != Clearance::absent; };
@@ -29,12 +29,12 @@ Result<void> add_probe(Connection& connection, const Probe& probe);
 Result<std::size_t> remove_probes(Connection& connection, const std::string& name);
 Result<std::vector<ProbeReading>> read_probes(Connection& connection, const std::string& name_glob);
 
-/// Appends the frame's readings; false where its columns differ in length.
+/// Appends the frame's readings; false if its columns differ in length.
 bool decode(const wire::ProbeFrame& frame, Names& names, std::vector<ProbeReading>& readings);
 
-/// The reader of the probe topic, and the readings that wait for next().
+/// The reader of the probe topic, and the queue of readings for next().
 ///
-/// threads  any; DDS's thread queues, the caller's takes
+/// threads  any; DDS's thread fills the queue, the caller's empties it
 class [[gnu::visibility("hidden")]] ProbeReader : public Subscription<ProbeReading>::Source {
  public:
   static Result<std::unique_ptr<ProbeReader>> start(std::shared_ptr<Connection> connection,
@@ -54,7 +54,7 @@ class [[gnu::visibility("hidden")]] ProbeReader : public Subscription<ProbeReadi
   std::deque<ProbeReading> readings_;
   std::atomic<std::uint64_t> lost_{0};
   std::atomic<bool> has_reader_{false};
-  std::mutex taking_mutex_;  // the reader's callback and the constructor; also for these two
+  std::mutex taking_mutex_;  // serializes the reader's callback and the constructor; also guards the next two
   dds::Sample<wire::ProbeFrame> incoming_;
   std::vector<ProbeReading> decoded_;
   // Last, so that they are destroyed first: their callbacks use the members above.

@@ -24,12 +24,13 @@ namespace {
 namespace names = wire_contract::command;
 
 constexpr std::chrono::seconds kStandingTimeout{10};
-/// A message of many stays below this: DDS delivers none above kMaxMessageBytes.
+/// Limit for a message with many questions: DDS delivers none above kMaxMessageBytes.
 constexpr std::size_t kMostStandingBytes = wire_contract::kMaxMessageBytes - 64 * 1024;
 
 // ---- the arguments of each form ------------------------------------------------------------------------------------
 
-/// Writes the arguments of a form. Returns what JSON cannot carry, or the server would read as something else; empty: nothing.
+/// Writes the arguments of a form. Returns the value that JSON cannot represent or the server would misread; empty:
+/// none.
 struct Arguments {
   nlohmann::json& into;
 
@@ -70,7 +71,7 @@ struct Arguments {
   }
 };
 
-/// A question as it is sent: its arguments, and the shape of a region that has one.
+/// A question in its wire form: its arguments, and the shape of a region that has one.
 struct Encoded {
   std::string text;
   std::vector<std::uint8_t> shape;
@@ -106,7 +107,7 @@ nlohmann::json by_name(const std::string& name, std::optional<StandingForm> form
 
 // ---- events --------------------------------------------------------------------------------------------------------
 
-/// Only events that are asked for wait in the queue.
+/// The events of a StandingWatch; only requested ones enter the queue.
 ///
 /// threads  any
 class StandingSource : public StandingWatch::Source {

@@ -11,7 +11,7 @@
 
 namespace collided::client {
 
-/// The calls of Client of the same names.
+/// The functions of Client for standing questions.
 Result<AddedStanding> add_standing(Connection& connection, const Standing& standing);
 Result<void> add_standing(Connection& connection, std::span<const Standing> standing);
 Result<std::size_t> remove_standing(Connection& connection, const std::string& name, std::optional<StandingForm> form);

@@ -22,7 +22,7 @@ StandingEventKind kind_of(const StandingNews& news) {
   return changed;
 }
 
-/// Whether the region reports events of this kind. All others do.
+/// True if the region reports events of this kind. Kinds without a bit are always reported.
 bool is_detected(StandingEventKind kind, std::uint8_t detects) {
   switch (kind) {
     case StandingEventKind::enter: return (detects & codes::kDetectEnter) != 0;

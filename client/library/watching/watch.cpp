@@ -13,9 +13,9 @@ namespace collided {
 
 namespace {
 
-/// The recording is fetched from this much earlier than needed, since the server's clock may be behind.
+/// The recording is fetched from this much earlier, since the server's clock may be behind.
 constexpr std::chrono::seconds kClockMargin{1};
-/// No server keeps more than this.
+/// The most that a server keeps.
 constexpr std::chrono::nanoseconds kLongestRecording = std::chrono::hours(24);
 
 }  // namespace
@@ -37,8 +37,8 @@ Result<std::unique_ptr<Watch::State>> Watch::State::start(std::shared_ptr<client
   try {
     std::unique_ptr<State> state(new State(connection, options, std::move(callback)));
     if (auto error = state->feed_.wait_for_server()) { return *error; }
-    // The readers are active already: what comes meanwhile is queued, and an event that is in the recording too counts
-    // once, by its sequence number.
+    // The readers are already active: new messages are queued. An event that is also in the recording counts once, by
+    // its sequence number.
     if (options.since) {
       if (auto error = state->hear_recorded(*connection, *options.since)) { return *error; }
     }
@@ -65,7 +65,7 @@ std::optional<Error> Watch::State::hear_recorded(client::Connection& connection,
   } catch (const std::runtime_error& failed) { return Error{ErrorCode::internal, failed.what(), ""}; }
   recorded_ =
       client::in_window(std::move(recorded_), since, std::chrono::nanoseconds::max(), client::EventOrder::sequence);
-  events_.grow(recorded_.size());  // the caller could not have polled them yet
+  events_.grow(recorded_.size());  // the caller cannot have polled them yet
   return std::nullopt;
 }
 

@@ -12,10 +12,10 @@ namespace {
 using std::chrono::nanoseconds;
 using wire_contract::ServerState;
 
-// A kind's code n on the wire is n + 1 in EventKind, whose `open` is not on the wire.
+// A kind's code n on the wire is n + 1 in EventKind, since `open` is not on the wire.
 constexpr int kFirstKind = static_cast<int>(EventKind::began);
 
-/// A code that this library does not know yet counts as `numeric`.
+/// An unknown code of a newer server counts as `numeric`.
 Doubt doubt_of(std::uint8_t code) { return codes::is_known<Doubt>(code) ? static_cast<Doubt>(code) : Doubt::numeric; }
 
 bool fits(const wire::EventFrame& frame) {
@@ -49,7 +49,7 @@ bool is_settled(std::uint8_t state) {
          state == static_cast<std::uint8_t>(ServerState::stopping);
 }
 
-// What frames and shards have in common.
+// The common part of frames and shards.
 template <class Message>
 Event decode_pair(const Message& message, std::size_t index, const Names& names) {
   Event event;
@@ -67,7 +67,7 @@ Event decode_pair(const Message& message, std::size_t index, const Names& names)
   return event;
 }
 
-// What frames and shards of standing questions have in common.
+// The common part of frames and shards of standing questions.
 template <class Message>
 StandingNews decode_row(const Message& message, std::size_t index, EventKind kind, std::uint64_t object,
                         const Names& names) {
@@ -87,7 +87,7 @@ StandingNews decode_row(const Message& message, std::size_t index, EventKind kin
   return news;
 }
 
-/// What only events of bands have.
+/// Reads the members that only events of bands have.
 void take_motion(const wire::StandingFrame& frame, std::size_t index, StandingEvent& reported) {
   if (reported.form != StandingForm::bands) return;
   wire::take(frame.closings, index, reported.closing_mps);
@@ -98,7 +98,7 @@ void take_motion(const wire::StandingFrame& frame, std::size_t index, StandingEv
   if (std::isfinite(in.high_s)) reported.contact_in = {std::max(0.0, in.low_s), in.high_s};
 }
 
-/// Adds the parts of an event to the entries; false where it has none.
+/// Adds the parts of an event to the entries; false if it is invalid.
 bool take_event(const wire::StandingFrame& frame, std::size_t index, const Names& names,
                 std::vector<HeardFrameOf<StandingNews>::Entry>& entries) {
   using enum StandingEventKind;

@@ -10,7 +10,7 @@
 
 namespace collided::client {
 
-/// How news travel, and which recorded topics they are.
+/// The message types and recorded topics of a kind of news.
 template <class News>
 struct WireOf;
 template <>
@@ -32,13 +32,13 @@ struct WireOf<StandingNews> {
   static constexpr auto kRecordedShards = recording::Recorded::standing_state;
 };
 
-/// Decodes a message; nothing where its columns differ in length or a code is unknown. It then counts as lost.
+/// Decodes a message; nothing if its columns differ in length or a code is unknown. It then counts as lost.
 std::optional<HeardFrame> decode(const wire::EventFrame& frame, Names& names);
 std::optional<HeardShard> decode(const wire::ContactShard& shard, Names& names);
 HeardBookmark decode(const wire::Status& status);
 std::optional<HeardFrameOf<StandingNews>> decode(const wire::StandingFrame& frame, Names& names);
 std::optional<HeardShardOf<StandingNews>> decode(const wire::StandingShard& shard, Names& names);
-/// The bookmark that a shard is: of standing questions the sum of the others.
+/// The bookmark in a shard of standing questions that is the sum of the others.
 std::optional<HeardBookmark> bookmark_in(const wire::StandingShard& shard);
 inline std::optional<HeardBookmark> bookmark_in(const wire::ContactShard&) { return std::nullopt; }
 

@@ -8,7 +8,8 @@
 namespace collided::client {
 namespace {
 
-// Messages that may wait for the watch's thread. More are dropped, which then shows as a gap in the sequence.
+// Maximum number of messages that wait for the watch's thread. Further ones are dropped, which causes a gap in the
+// sequence.
 constexpr std::size_t kMostMessages = 8'192;
 
 }  // namespace
@@ -21,7 +22,7 @@ WatchFeed<News>::WatchFeed(std::shared_ptr<Connection> connection, Emit emit, bo
       shard_topic_(connection_->participant(), connection_->options().name_space, WireOf<News>::kShards) {
   using Frames = dds::Taker<Frame>;
   using FrameReader = dds::ReaderOptions<Frame>;
-  // A callback that comes before its reader is there leaves the samples with it.
+  // A callback that runs before its reader exists leaves the samples in it.
   if (persisted) {
     persisted_topic_.emplace(connection_->participant(), connection_->options().name_space,
                              wire_contract::kPersistedTopic);
@@ -131,7 +132,7 @@ void WatchFeed<News>::hear(Message& message) {
     frames_.put(std::move(persisted->sample));
   } else if (auto* const shard = std::get_if<ShardPointer>(&message)) {
     if (const auto bookmark = bookmark_in(***shard)) {
-      // DDS keeps the newest sum for whoever joins, and it may be from before what else DDS keeps.
+      // DDS keeps the newest sum for late joiners; it may be older than the other samples that DDS keeps.
       if (std::exchange(has_sum_, true)) state_.hear(*bookmark, now);
     } else if (const auto heard = decode(***shard, connection_->names())) {
       state_.hear(*heard, now);

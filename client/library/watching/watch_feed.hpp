@@ -15,20 +15,20 @@
 
 namespace collided::client {
 
-/// The readers and the thread of a watch. The readers' callbacks, on DDS's threads, only queue messages. The thread decodes
-/// them and has a WatchStateOf make events of them, which it emits. Contacts have their bookmarks in the connection's
-/// statuses, standing questions in the sum among the shards.
+/// The readers and the thread of a watch. The readers' callbacks, on DDS's threads, only queue messages. The thread
+/// decodes them, passes them to a WatchStateOf and emits the resulting events. Bookmarks of contacts are in the
+/// connection's statuses, those of standing questions in the sum of the shards.
 ///
 /// threads  any; emit() runs on the feed's own thread, and in state() on the caller's
 template <class News>
 class WatchFeed {
  public:
   using Emit = typename WatchStateOf<News>::Emit;
-  /// persisted  reads contacts that go on, too, which costs the server work
+  /// persisted  also reads persisting contacts, which costs the server work
   WatchFeed(std::shared_ptr<Connection> connection, Emit emit, bool persisted = false);
   ~WatchFeed();
 
-  /// Waits until the readers are matched. Bookmarks count only from then on: before, events after one could be missed.
+  /// Waits until the readers are matched. Only later bookmarks count: events after an earlier one could be missed.
   std::optional<Error> wait_for_server();
   /// Before run().
   WatchStateOf<News>& state() { return state_; }
@@ -38,7 +38,7 @@ class WatchFeed {
   SubscriptionHealth health(std::uint64_t lost) const {
     return {.lost = lost, .resyncs = resyncs_, .connected = !connection_->pulse().silent(), .in_step = in_step_};
   }
-  /// WatchState::emitted_through(): those events have been passed on.
+  /// WatchState::emitted_through(), after the emission of those events.
   std::optional<EventPlace> told_through() const {
     const std::lock_guard lock(told_mutex_);
     return told_through_;
@@ -80,14 +80,14 @@ class WatchFeed {
   LifeChange life_change_;
 
   std::atomic<bool> has_readers_{false};
-  std::mutex taking_mutex_;  // the readers' callbacks and the constructor
+  std::mutex taking_mutex_;  // serializes the readers' callbacks and the constructor
   FramePool frames_;
   ShardPool shards_;
   std::mutex messages_mutex_;
   std::condition_variable message_came_;
   std::deque<Message> messages_;
   bool ending_ = false;
-  bool has_sum_ = false;  // of standing questions: one was heard; the thread's own
+  bool has_sum_ = false;  // for standing questions: a sum was received; used only by the thread
 
   dds::Topic<Frame> frame_topic_;
   dds::Topic<Shard> shard_topic_;

@@ -9,14 +9,14 @@
 namespace collided::client {
 namespace {
 
-// As many as the server's event writer keeps: older ones could not be recovered anyway.
+// The number that the server's event writer keeps; older events could not be recovered anyway.
 constexpr std::size_t kMostRecent = wire_contract::kEventTopic.keep_last;
 
-// What two servers work out from the same poses is the same; this much is rounded where its time is sent.
+// Two servers derive the same events from the same poses; this is the rounding of the transmitted times.
 constexpr std::chrono::nanoseconds kRounded{2};
-// What commands do, one server does so much later than the other at most.
+// Maximum delay between two servers in the effects of commands.
 constexpr std::chrono::seconds kCommandsApart{1};
-// What is told again is from no longer ago.
+// Maximum age of repeated events.
 constexpr std::chrono::seconds kToldAgain{10};
 
 std::pair<std::uint64_t, std::uint64_t> pair_of(const Event& event) { return {event.a_id, event.b_id}; }
@@ -32,7 +32,7 @@ News as_open(const News& event) {
   return open;
 }
 
-/// The name of the one that lies within the other; the order of the two changes with their ids.
+/// The name of the inner object, since the order of the two changes with their ids.
 std::string inner_name(const Event& event) {
   if (event.contained == Containment::none) return {};
   return event.contained == Containment::a_in_b ? event.a : event.b;
@@ -42,7 +42,7 @@ bool is_change_of_containment(const Event& event) {
   return event.kind == EventKind::contained || event.kind == EventKind::emerged;
 }
 
-/// When a contact began, by the bracket of its `began`. A doubt holds from the first instant that is not decided.
+/// When a contact began, by the bracket of its `began`. A doubt begins at the first undecided instant.
 std::chrono::nanoseconds start_of(const Event& began) {
   if (began.doubt == Doubt::none) return happened(began);
   return began.world_time - std::chrono::nanoseconds(std::llround(began.bracket_low_s * 1e9));
@@ -53,7 +53,7 @@ Containment turned_round(Containment which) {
   return which == Containment::a_in_b ? Containment::b_in_a : Containment::a_in_b;
 }
 
-/// News of a contact, with the names under which it was reported: a shard too large to carry names leaves them out.
+/// News of a contact, with the names under which it was reported: a shard too large for names omits them.
 template <class News>
 News named_as(const News& told, News news) {
   take_names(told, news);
@@ -61,11 +61,11 @@ News named_as(const News& told, News news) {
   return news;
 }
 
-/// Whether it began what has ended again before it is reported: a part of a crossing.
+/// True for the beginning of a crossing, which has already ended when it is reported.
 bool is_passing(const Event&) { return false; }
 bool is_passing(const StandingNews& news) { return news.is_silent && news.kind == EventKind::began; }
 
-/// Of a nearest object, `next` reports that `before`, whose end was missed, is not the nearest any more.
+/// For a nearest object whose end was missed: the event `next` reports that `before` is no longer the nearest.
 void supersede(Event&, Event&) {}
 void supersede(StandingNews& before, StandingNews& next) {
   before.is_superseded = before.reported.form == StandingForm::nearest;
@@ -81,12 +81,11 @@ void take_names(const Event& from, Event& to) {
   to.b = from.b;
 }
 
-// ---- which server
-// -----------------------------------------------------------------------------------------------------
+// ---- the server's lives --------------------------------------------------------------------------------------------
 
 template <class News>
 bool WatchStateOf<News>::is_current(const ServerLife& from, Clock::time_point now) {
-  // A smaller epoch is an earlier server's, which may have been stopped and goes on.
+  // A smaller epoch is that of an earlier server, which may have been suspended and resumed.
   const auto heir_after = [&] {
     return from.epoch < life_->epoch ? wire_contract::kForgottenNs : wire_contract::kStatusLostNs;
   };
@@ -134,7 +133,7 @@ void WatchStateOf<News>::note_heard_from(std::uint64_t sequence) {
   from = from == 0 ? sequence : std::min(from, sequence);
 }
 
-/// Something was missed, or may have been.
+/// Counts a gap: something was, or may have been, missed.
 template <class News>
 void WatchStateOf<News>::note_gap() {
   if (!std::exchange(has_gap_, true)) { ++gaps_; }
@@ -142,7 +141,7 @@ void WatchStateOf<News>::note_gap() {
 
 template <class News>
 void WatchStateOf<News>::note_told(const News& event) {
-  if (event.reason == EndReason::server_stopping) { return; }  // about the server: an heir has the contact still
+  if (event.reason == EndReason::server_stopping) { return; }  // about the server; an heir still has the contact
   Told& told = told_[names_of(event)];
   const std::chrono::nanoseconds time = happened(event);
   if (time > told.time + kRounded) { told = {.time = time, .kinds = 0}; }
@@ -163,13 +162,13 @@ bool WatchStateOf<News>::was_told(const News& event, const News& last, bool is_a
     if (is_again && time < told->second.time - kRounded) { return true; }
   }
   if (!is_again) { return false; }
-  if (time <= joined_) { return true; }  // the state that was adopted first had it
+  if (time <= joined_) { return true; }  // included in the state adopted first
   if (held_.contains(pair_of(event)) || is_carried(event)) { return false; }
-  // An end without a beginning is that of a contact which has ended here.
+  // The end of an unknown contact was already reported.
   return event.kind != EventKind::began && time <= told_to_ + kCommandsApart;
 }
 
-/// Whether the contact that the state of a new life has was told to have ended, which that server has yet to work out.
+/// True if the end of a contact in a new life's state was already reported; the new server has not derived it yet.
 template <class News>
 bool WatchStateOf<News>::has_ended_before(const News& contact) const {
   const auto told = told_.find(names_of(contact));
@@ -186,8 +185,7 @@ void WatchStateOf<News>::doubt() {
   }
 }
 
-// ---- events
-// -----------------------------------------------------------------------------------------------------------
+// ---- events --------------------------------------------------------------------------------------------------------
 
 template <class News>
 void WatchStateOf<News>::hear(const HeardFrameOf<News>& frame, Clock::time_point now) {
@@ -242,7 +240,7 @@ void WatchStateOf<News>::apply_began(const News& event) {
     emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
     release(held);
   }
-  // What held in an earlier life has ended, where the object came in again and has left.
+  // After a crossing, a contact of an earlier life must have ended before it.
   if (!is_passing(event) && carry_over(event)) { return; }
   News began = event;
   end_namesake(began);
@@ -265,8 +263,8 @@ auto WatchStateOf<News>::release(Held held) -> Held {
   return held_.erase(held);
 }
 
-/// A name belongs to one object at a time. So an event with the same names and other ids means that the objects were
-/// defined anew and that the end of the contact held under these names was missed.
+/// A name belongs to one object at a time. An event with the same names and other ids thus means that an object was
+/// redefined, and that the end of the contact with these names was missed.
 template <class News>
 void WatchStateOf<News>::end_namesake(News& event) {
   const auto carried = carried_.empty() ? carried_.end() : carried_.find(place_of(event));
@@ -295,7 +293,7 @@ void WatchStateOf<News>::apply_ended(const News& event) {
   emit_(ended);
 }
 
-/// Of a contact, news of which have come, but not its beginning.
+/// Begins a contact whose beginning was missed.
 template <class News>
 auto WatchStateOf<News>::begin_missed(const News& event) -> Held {
   doubt();
@@ -307,7 +305,7 @@ auto WatchStateOf<News>::begin_missed(const News& event) -> Held {
   News contact = as_open(event);
   end_namesake(contact);
   contact.contained = event.kind == EventKind::emerged ? event.contained : Containment::none;
-  contact.began = happened(event);  // its real beginning was missed
+  contact.began = happened(event);  // its real beginning is unknown
   emit_missed(contact, EventKind::began, EndReason::none, event.sequence);
   hold(contact);
   return held_.find(pair_of(event));
@@ -324,7 +322,7 @@ void WatchStateOf<News>::apply_containment(const News& event) {
   emit_(named_as(held->second, event));
 }
 
-/// Emits what was missed of a contact that is held: who came to lie within the other, or no longer does.
+/// Emits missed changes of containment of an open contact.
 template <class News>
 void WatchStateOf<News>::change_missed(News& held, const News& news, std::uint64_t sequence) {
   if (held.contained == news.contained) { return; }
@@ -356,7 +354,7 @@ bool WatchStateOf<News>::is_carried(const News& event) const {
   return carried != carried_.end() && names_of(carried->second) == names_of(event);
 }
 
-// Ids of an earlier life mean nothing in this one, so pairs are identified by their names.
+// Ids of an earlier life are invalid in this one, so pairs are identified by their names.
 template <class News>
 bool WatchStateOf<News>::carry_over(const News& event, bool tells_containment) {
   if (!is_carried(event)) { return false; }
@@ -376,7 +374,7 @@ bool WatchStateOf<News>::carry_over(const News& event, bool tells_containment) {
 template <class News>
 void WatchStateOf<News>::emit_missed(const News& contact, EventKind what, EndReason why, std::uint64_t sequence) {
   News missed = contact;
-  // One that lay within the other emerges before the contact ends, and comes to lie there after it has begun.
+  // `emerged` precedes `ended`, and `contained` follows `began`.
   const bool was_contained = contact.contained != Containment::none;
   if (what == EventKind::ended && was_contained) emit_missed(contact, EventKind::emerged, why, sequence);
   if (what == EventKind::began || what == EventKind::ended) missed.contained = Containment::none;
@@ -390,8 +388,7 @@ void WatchStateOf<News>::emit_missed(const News& contact, EventKind what, EndRea
   if (what == EventKind::began && was_contained) emit_missed(contact, EventKind::contained, why, sequence);
 }
 
-// ---- state
-// ------------------------------------------------------------------------------------------------------------
+// ---- state ---------------------------------------------------------------------------------------------------------
 
 template <class News>
 void WatchStateOf<News>::hear(const HeardShardOf<News>& shard, Clock::time_point now) {
@@ -416,7 +413,7 @@ void WatchStateOf<News>::hear(const HeardBookmark& bookmark, Clock::time_point n
   if (bookmark.last_event_sequence <= applied_) {
     behind_at_.reset();
   } else if (behind_at_ == applied_) {
-    stuck_ = true;  // the last events were lost, and none follows that would show the gap
+    stuck_ = true;  // the last events were lost, and no later event reveals the gap
     if (run_start_ != 0 || mode_ == Mode::in_step) { doubt(); }
   } else {
     behind_at_ = applied_;
@@ -445,14 +442,14 @@ bool WatchStateOf<News>::may_adopt() const {
   // Events after the bookmark must be known without a gap, since they are applied to its state.
   const bool tail_known =
       applied_ <= at || (run_start_ <= at + 1 && !recent_.empty() && recent_.front().event.sequence <= at + 1);
-  // Events that are merely late will still come, and say more than differences.
+  // Late events will still come, and have more information than differences.
   const bool nothing_late = mode_ == Mode::starting || applied_ >= at || stuck_;
   const bool shards_in_time =
       std::all_of(shards_.begin(), shards_.end(), [&](const Shard& shard) { return shard.as_of_sequence <= at; });
   return tail_known && nothing_late && shards_in_time;
 }
 
-// Whether the state that state_at() would build matches the bookmark.
+// True if the state that state_at() would build matches the bookmark.
 template <class News>
 bool WatchStateOf<News>::bookmark_vouches() const {
   std::uint64_t hash = 0;
