@@ -24,7 +24,7 @@ json ObjectCommands::attach(const CommandAsk& ask, const Arguments& arguments) {
                                  printable(with_.loop.publisher_name(info.publisher)),
                                  with_.loop.publishers().is_live(info.publisher) ? "" : ", and may come back"),
                      "what no publisher has can be attached, such as what add puts there");
-  // The parent leaves this shard, and the child would stay behind: no other shard knows of it.
+  // The parent would leave this shard and the child would stay behind, since no other shard knows it.
   const ObjectInfo& carrier = *world.info(parent);
   if (with_.loop.publishers().is_in_several_shards(carrier.publisher))
     throw BadCommand(
@@ -33,7 +33,7 @@ json ObjectCommands::attach(const CommandAsk& ask, const Arguments& arguments) {
                     printable(info.name), printable(carrier.name),
                     printable(with_.loop.publisher_name(carrier.publisher)), printable(info.name)),
         "have that publisher move both");
-  // Where the two are to each other is taken from poses that a step has examined.
+  // Their relative pose is taken from poses that a step has examined.
   if (world.has_moved(child) || world.has_moved(parent)) with_.loop.step_now();
   if (const std::optional<Refusal> refusal = world.attach(child, parent, arguments.pose("pose")))
     throw BadCommand(refusal->reason);
@@ -43,14 +43,14 @@ json ObjectCommands::attach(const CommandAsk& ask, const Arguments& arguments) {
                    {"parent", attached.parent_name},
                    {"pose", json_of(attached.in_parent)}};
   keep({KeptKind::attached, attached.child_name}, {0, 0, again.dump(), {}});
-  // It was kept, but not sent with what is kept as long as its parent was missing.
+  // It was kept, but left out of the state for followers as long as its parent was missing.
   if (ask.is_carried_out_again()) with_.place.changed(ask);
   json answer{{"child", attached.child_name}, {"parent", attached.parent_name}, {"pose", json_of(attached.in_parent)}};
   answer["version"] = step();
   return answer;
 }
 
-/// Keeps that a child is free, and where it is.
+/// Stores that a child is free, and its pose.
 void ObjectCommands::keep_detached(const std::string& child) {
   const World& world = with_.loop.world();
   const std::optional<ObjectId> id = world.find(child);
@@ -79,7 +79,7 @@ json ObjectCommands::detach(const CommandAsk& ask, const Arguments& arguments) {
   return {{"child", name}, {"parent", parent}, {"version", version}};
 }
 
-/// Gives up an attachment of before the start whose parent has not come back. Throws BadCommand if there is none.
+/// Gives up an attachment from before the start whose parent has not come back. Throws BadCommand if there is none.
 json ObjectCommands::forget_parted(const std::string& child) {
   const auto parted = std::ranges::find(parted_, child, &Parted::child);
   if (parted == parted_.end() || !with_.durable->is_due(parted->ask.request))
@@ -89,7 +89,7 @@ json ObjectCommands::forget_parted(const std::string& child) {
   return {{"child", child}, {"parent", parent}, {"version", with_.loop.world().newest()->version}};
 }
 
-/// Says of attachments that they ended, and keeps that. Returns the names of what was attached and is still there.
+/// Logs and stores that attachments ended. Returns the names of detached objects that still exist.
 json ObjectCommands::note_ended_attachments() {
   json detached = json::array();
   for (const EndedAttachment& ended : with_.loop.world().take_ended_attachments()) {
@@ -123,8 +123,9 @@ bool ObjectCommands::are_there(const Parted& parted) const {
   return world.find(parted.child) && world.find(parted.parent);
 }
 
-/// Attaches again what a stop or a crash has parted, where the parent may still have to come back with its publisher.
-/// After a crash that has a limit, since the publisher was there; after a stop none, since it may be started later.
+/// Restores attachments that a stop or a crash has separated, if the parent may still come back with its publisher.
+/// After a crash the wait is limited, since the publisher was running; after a stop it is not, since the publisher may
+/// be started later.
 void ObjectCommands::attach_again() {
   if (parted_.empty()) return;
   const bool is_last_try = !with_.loop.recovering() && with_.durable->crashed();

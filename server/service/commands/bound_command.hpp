@@ -10,7 +10,7 @@
 
 namespace collided::engine::service {
 
-/// A command's handler, and where it runs. It throws BadCommand to refuse.
+/// A command's handler and its thread. It throws BadCommand to refuse.
 struct BoundCommand {
   using Work = std::function<nlohmann::json(const CommandAsk&, const Arguments&)>;
   using HandOn = std::function<void(CommandAsk, const Arguments&)>;
@@ -18,10 +18,10 @@ struct BoundCommand {
   const char* name;
   bool is_on_world_thread = false;  // else `work` runs on the thread that asks
   Work work = {};                   // returns the answer
-  HandOn hand_on = {};              // in place of `work`: another thread sends the answer later
+  HandOn hand_on = {};              // instead of `work`: another thread sends the answer later
 };
 
-/// The handler of a family takes the command and its arguments, only these, or nothing.
+/// The handler of a family takes the command and its arguments, only the arguments, or nothing.
 template <class Family, class Handler>
 BoundCommand::Work work_of(Family* family, Handler handler) {
   return [family, handler](const CommandAsk& ask, const Arguments& arguments) -> nlohmann::json {
@@ -33,7 +33,7 @@ BoundCommand::Work work_of(Family* family, Handler handler) {
   };
 }
 
-/// Answered on the thread that asks, so it looks at a snapshot only.
+/// Answered on the thread that asks, so it reads a snapshot only.
 template <class Family, class Handler>
 BoundCommand on_asking_thread(const char* name, Family* family, Handler handler) {
   return {.name = name, .work = work_of(family, handler)};
@@ -44,7 +44,7 @@ BoundCommand on_world_thread(const char* name, Family* family, Handler handler) 
   return {.name = name, .is_on_world_thread = true, .work = work_of(family, handler)};
 }
 
-/// Handed on to a thread for slow work.
+/// Passed on to a thread for slow work.
 template <class Family, class Handler>
 BoundCommand handed_on(const char* name, Family* family, Handler handler) {
   return {.name = name, .hand_on = [family, handler](CommandAsk ask, const Arguments& arguments) {

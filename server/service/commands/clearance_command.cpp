@@ -46,7 +46,7 @@ UndecidedReason reason_of(const GroupClearance& found) {
   return found.is_stale ? UndecidedReason::stale_object : UndecidedReason::numeric;
 }
 
-/// A certificate has up to some thousand numbers.
+/// A certificate has up to a few thousand numbers.
 constexpr std::uint64_t kMostCertificates = 1'000;
 
 std::uint64_t parts_of(const Snapshot& state, const std::vector<ObjectId>& ids) {
@@ -58,7 +58,7 @@ std::uint64_t parts_of(const Snapshot& state, const std::vector<ObjectId>& ids) 
   return count;
 }
 
-/// The search is best first, so that mostly one part in some eight is looked at.
+/// The search is best first, so that it mostly examines about one part in eight.
 constexpr double kPartsPerCost = 8;
 
 ClearanceAsk clearance_options_of(const Arguments& arguments) {
@@ -133,7 +133,7 @@ json MeasuringCommands::measured(const AskedGroups& asked) const {
 }
 
 void MeasuringCommands::clearance_later(CommandAsk ask, const Arguments& arguments) {
-  static_cast<void>(clearance_options_of(arguments));  // a wrong one is refused at once
+  static_cast<void>(clearance_options_of(arguments));  // refuses wrong options at once
   in_turn(std::move(ask), arguments, "clearance", &MeasuringCommands::asked_groups, &MeasuringCommands::measured);
 }
 

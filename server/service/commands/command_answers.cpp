@@ -12,7 +12,7 @@ using wire_contract::command::Changes;
 namespace {
 
 constexpr const char* kNoFolder = "the server has no folder to keep it in";
-/// What a record takes beside a command's text and bytes, at most: its head, and a key of two names.
+/// Upper bound on a record's size beyond a command's text and bytes: its head, and a key of two names.
 constexpr std::uint64_t kRecordBytes = 1'024;
 
 }  // namespace
@@ -21,7 +21,7 @@ void CommandAnswers::answer(const CommandAsk& ask, const std::function<json()>& 
   try {
     send(ask, ReplyStatus::ok, work().dump(-1, ' ', false, json::error_handler_t::replace));
   } catch (const BadCommand& bad) { refuse(ask, bad); } catch (const std::bad_alloc&) {
-    // On the world's thread half of a change may be in the world by now: the caller ends the process.
+    // On the world's thread, half of a change may already be in the world: the caller ends the process.
     if (with_.loop.runs_here()) throw;
     refuse(ask, "not enough memory");
   } catch (const std::exception& failed) { refuse(ask, failed.what()); }
@@ -40,12 +40,12 @@ void CommandAnswers::send(const CommandAsk& ask, ReplyStatus status, std::string
 void CommandAnswers::answer_once_kept(const CommandAsk& ask, const std::function<json()>& work, bool is_durable) {
   json result;
   std::exception_ptr refusal;
-  // Only commands on the wire are recorded elsewhere.
+  // Commands from the wire are recorded elsewhere.
   if (with_.flight != nullptr && ask.client == 0) with_.flight->note_own(ask.text, ask.blob);
   try {
     result = work();
   } catch (...) { refusal = std::current_exception(); }
-  // What was changed before a refusal is in the world all the same.
+  // Changes made before a refusal stay in the world.
   const Inventory::Changes changes = with_.inventory.flush(ask.client, ask.request);
   if (refusal) return answer(ask, [&]() -> json { std::rethrow_exception(refusal); });
   tell_followers(ask, changes);
@@ -55,15 +55,15 @@ void CommandAnswers::answer_once_kept(const CommandAsk& ask, const std::function
     if (!not_kept.empty() && is_durable)
       return refuse(whose, "it was done, but is lost when the server ends: " + not_kept);
     if (!not_kept.empty()) result["not_kept"] = not_kept;
-    // Said once, at the start and in the plan, and not with every command.
+    // Reported once, at the start and in the plan, not with every command.
     if (with_.durable == nullptr) result["keeps_nothing"] = true;
     answer(whose, [&] { return result; });
   };
   with_.durable != nullptr ? with_.durable->then(tell) : tell(kNoFolder);
 }
 
-/// What is carried out again at the start a follower fetches with all that is kept. Of added fences only those that are kept
-/// are passed on, one by one.
+/// Followers fetch commands that are carried out again at the start with the rest of the kept state. Of added fences
+/// only the kept ones are passed on, one by one.
 void CommandAnswers::tell_followers(const CommandAsk& ask, const Inventory::Changes& changes) const {
   if (ask.client == 0) return;
   const Arguments arguments(ask.text);

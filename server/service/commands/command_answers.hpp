@@ -20,7 +20,7 @@
 
 namespace collided::engine::service {
 
-/// What commands work with; all must outlive them.
+/// What commands work with; all members must outlive them.
 struct CommandCollaborators {
   WorldLoop& loop;
   Inbox& inbox;
@@ -34,24 +34,24 @@ struct CommandCollaborators {
   QuestionSamples& samples;
   Place& place;
   bool uses_keys = false;
-  std::int64_t clock_error_ns = 0;    // by which publishers' clocks may differ; the world has it too
-  const ShardPlace* shard = nullptr;  // null: it holds all of the world
-  // Why a publisher's samples are not taken; empty: they are. On the world's thread
+  std::int64_t clock_error_ns = 0;    // by which publishers' clocks may differ; the world has the same value
+  const ShardPlace* shard = nullptr;  // null: this server holds all of the world
+  // Why a publisher's samples are refused; empty: they are accepted. On the world's thread.
   std::function<std::string(std::uint64_t)> why_refused = {};
 };
 
-/// Sends the answers of commands, those of changes once they are kept, and passes changes on to servers that follow.
+/// Sends the answers of commands, those of changes once they are stored, and passes changes on to followers.
 class CommandAnswers {
  public:
   explicit CommandAnswers(const CommandCollaborators& with) : with_(with) {}
 
-  /// Sets where the answers go. To be called before the first answer.
+  /// Sets where the answers go. Call this before the first answer.
   void connect(Answering& answering) { answering_ = &answering; }
   Answering& answering() const { return *answering_; }
   /// Sets what is called on the world's thread after each change.
   void after_change(std::function<void()> call) { after_change_ = std::move(call); }
 
-  /// Sends an answer to the client. A command that is carried out again has no client: its refusal is logged as a loss.
+  /// Sends an answer to the client. A repeated command has no client: its refusal is logged as a loss.
   void send(const CommandAsk& ask, wire_contract::ReplyStatus status, std::string text);
   void refuse(const CommandAsk& ask, const std::string& error, const std::string& hint = {}) {
     send(ask, wire_contract::ReplyStatus::refused, refusal_text(error, hint));
@@ -59,10 +59,10 @@ class CommandAnswers {
   void refuse(const CommandAsk& ask, const BadCommand& bad) { refuse(ask, bad.what(), bad.hint); }
   /// Sends the result of the work, or the refusal that it threw.
   void answer(const CommandAsk& ask, const std::function<nlohmann::json()>& work);
-  /// Like answer(), but hands on what the work has changed in the inventory and sends the answer once that is on the disk;
-  /// if it cannot be kept, the answer has the reason.
+  /// Like answer(), but passes on what the work has changed in the inventory and sends the answer once that is on disk;
+  /// if it cannot be stored, the answer gives the reason.
   void answer_once_kept(const CommandAsk& ask, const std::function<nlohmann::json()>& work, bool is_durable = false);
-  /// Calls go_on, for a durable command only if the disk has room for it; else refuses the command.
+  /// Calls go_on, for a durable command only if the disk has room for it; otherwise refuses the command.
   void once_there_is_room(const CommandAsk& ask, bool is_durable, std::function<void()> go_on);
 
   /// Why the next command of another server is refused; empty: it is carried out.

@@ -49,7 +49,7 @@ Arguments::Arguments(const std::string& text, const CommandSpec& spec) : Argumen
   take_form();
 }
 
-/// Chooses the form of the command by the first argument that is there and selects one.
+/// Chooses the form of the command by its first argument that is present and selects a form.
 void Arguments::take_form() {
   if (spec_ == nullptr) return;
   const auto is_given = [this](const CommandForm& form) {
@@ -65,7 +65,7 @@ const nlohmann::json* Arguments::find(const char* name) const {
   return found == arguments_.end() || found->is_null() ? nullptr : &*found;
 }
 
-/// null: this form of the command does not take it, so it is absent.
+/// null: this form of the command has no such argument, so it is absent.
 const ArgumentSpec* Arguments::specified(const char* name) const {
   const auto known =
       std::ranges::find(known_, std::string_view(name), [](const ArgumentSpec& spec) { return spec.name; });

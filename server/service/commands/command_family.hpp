@@ -31,18 +31,18 @@ class CommandFamily {
 
   /// Its commands with their handlers, which must not outlive it.
   virtual std::vector<BoundCommand> commands() = 0;
-  /// Called on the world's thread now and then: gives up what belongs to clients that have gone.
+  /// Called regularly on the world's thread: gives up what belongs to clients that have gone.
   virtual void look_for_gone() {}
-  /// Called when no command comes any more, and jobs may still be under way.
+  /// Called when no more commands come; jobs may still be under way.
   virtual void stop() {}
   /// Called after stop(), when all jobs are done.
   virtual void forget() {}
 
  protected:
   // On the world's thread.
-  /// Throws BadCommand where the keys of the command's sender are not for objects of this name.
+  /// Throws BadCommand if the keys of the command's sender do not cover objects of this name.
   static void refuse_if_foreign(const CommandAsk& ask, std::string_view object, const char* not_done);
-  /// The first object of a scene that the keys of the command's sender are not for; null where there is none.
+  /// The first object of a scene that the keys of the command's sender do not cover; null if there is none.
   const ObjectInfo* foreign_in_scene(const CommandAsk& ask, std::string_view scene) const;
   /// Puts a command into the inventory. owner: as in KeptCommand.
   void keep(KeptKey key, const CommandAsk& ask, std::uint64_t owner = 0);
@@ -55,7 +55,7 @@ class CommandFamily {
   CommandThreads& threads_;
 };
 
-// The families of which nothing but their commands is known elsewhere.
+// The families of which other files use only the commands.
 std::unique_ptr<CommandFamily> standing_commands(CommandContext& context);
 std::unique_ptr<CommandFamily> measuring_commands(CommandContext& context);
 std::unique_ptr<CommandFamily> probe_commands(CommandContext& context);

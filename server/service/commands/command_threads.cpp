@@ -25,7 +25,7 @@ CommandThreads::CommandThreads() {
 void CommandThreads::stop() {
   slow_jobs_.finish();
   pair_jobs_.finish();
-  costly_jobs_.finish();  // only now: the thread for pairs may have passed one on until it ended
+  costly_jobs_.finish();  // only now: until it ended, the thread for pairs may have passed one on
 }
 
 void CommandThreads::require_room(const char* what) const {

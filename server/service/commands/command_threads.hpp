@@ -10,8 +10,8 @@
 
 namespace collided::engine::service {
 
-/// Threads for commands that take long, each of which does one job after the other: loads and menus on one, pairs on the
-/// second. A pair that costs much goes on to the third, where recordings are written, so that no other waits behind it.
+/// Threads for commands that take long, each of which does one job after the other: loads and menus on one, pairs on
+/// the second. A costly pair goes on to the third, which also writes recordings, so that no cheap one waits behind it.
 class CommandThreads {
  public:
   using Job = std::function<void()>;
@@ -19,24 +19,24 @@ class CommandThreads {
   CommandThreads();
   ~CommandThreads() { stop(); }
 
-  /// Throws BadCommand where too many slow jobs wait.
+  /// Throws BadCommand if too many slow jobs wait.
   void require_room(const char* what) const;
-  /// False: the system has no room for the thread, or stop() was called. The job will not be done.
+  /// False: the system has no room for the thread, or stop() was called. The job is dropped.
   [[nodiscard]] bool push_slow(Job job) { return slow_jobs_.push(std::move(job)); }
   static constexpr const char* kNoThread = "the system has no room for another thread, or the server is stopping";
-  /// These throw BadCommand where too many jobs wait, of all clients or of this one.
+  /// These throw BadCommand if too many jobs wait, of all clients or of this one.
   void push_pair(const char* what, const Share& share, Job job) { push(what, pair_jobs_, share, std::move(job)); }
   void push_costly(const char* what, const Share& share, Job job) { push(what, costly_jobs_, share, std::move(job)); }
 
-  /// Jobs under way may end early from now on.
+  /// Jobs under way may end early after this call.
   void begin_stop() { stopping_.store(true); }
   bool are_stopping() const { return stopping_.load(); }
-  /// Does what waits and ends the threads.
+  /// Does the waiting jobs and ends the threads.
   void stop();
 
  private:
   static constexpr std::size_t kMostSlowJobs = 4;    // waiting
-  static constexpr std::size_t kMostPairJobs = 128;  // waiting, half of them at most by one client alone
+  static constexpr std::size_t kMostPairJobs = 128;  // waiting, half of them at most by one client
 
   static void push(const char* what, FairQueue<Job>& jobs, const Share& share, Job job);
 

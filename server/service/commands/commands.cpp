@@ -44,7 +44,7 @@ Commands::~Commands() { stop(); }
 
 void Commands::stop() {
   context_.threads.begin_stop();
-  // Waits for the calls of run() that passed the check before; later ones see that it stops and refuse.
+  // Waits for the calls of run() that passed the check before; later ones see the stop and refuse.
   { const std::unique_lock alone(gate_); }
   geometry_.stop();
   loads_.stop();
@@ -59,7 +59,7 @@ void Commands::look_for_gone() {
   with_.inventory.flush();
 }
 
-/// What the keys of whoever sent the command do not allow, or no replica does; empty where it is allowed.
+/// Why the sender's keys, or a replica, do not allow the command; empty: it is allowed.
 std::string Commands::why_not_allowed(const CommandAsk& ask, const Arguments& arguments) const {
   using wire_contract::QueryRight;
   constexpr std::array kWhat{"greet", "ask", "change the world", "send files"};
@@ -94,10 +94,10 @@ const BoundCommand& Commands::handler_of(const Arguments& arguments) const {
 }
 
 void Commands::run(CommandAsk ask) {
-  // Held until the command is handed on, so that stop() does not end a thread under it.
+  // Held until the command is passed on, so that stop() does not end a thread under it.
   const std::shared_lock on_its_way(gate_);
   if (context_.threads.are_stopping()) return answers_.refuse(ask, "the server is stopping. Nothing was done");
-  const CommandAsk whose{ask.client, ask.request, {}, {}};  // the command itself is handed on
+  const CommandAsk whose{ask.client, ask.request, {}, {}};  // the command itself is moved on
   try {
     const Arguments arguments(ask.text);
     if (const std::string reason = why_not_allowed(ask, arguments); !reason.empty())
@@ -109,8 +109,7 @@ void Commands::run(CommandAsk ask) {
   } catch (const BadCommand& bad) { answers_.refuse(whose, bad); }
 }
 
-/// Has the world's thread carry out a command. A change is answered once it is on the disk; one that looks is answered
-/// at once.
+/// Queues a command for the world's thread. A change is answered once it is on disk, a command that only reads at once.
 void Commands::queue_for_world(CommandAsk ask, const BoundCommand& handler, const Arguments& arguments) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
   const bool is_change = arguments.spec()->changes_world();
@@ -147,7 +146,8 @@ std::string Commands::follow(CommandAsk ask) {
   return "the server is stopping";
 }
 
-/// Loads the scenes on the thread for slow work, then adds, moves and probes on the world's, as some need those scenes.
+/// Loads the scenes on the thread for slow work, then repeats additions, moves and probes on the world's, as some need
+/// those scenes.
 void Commands::replay(const std::vector<KeptCommand>& left) {
   if (left.empty()) return;
   std::vector<CommandAsk> asks;
@@ -190,7 +190,7 @@ void Commands::replay_on_world_thread(const std::vector<CommandAsk>& asks) {
   }
 }
 
-/// Forgets what was kept of a part that its scene no longer has. If the scene itself is missing, it may come back.
+/// Drops a stored command about a part that its scene no longer has. If the scene itself is missing, it may come back.
 void Commands::drop_if_moot_for_good(const CommandAsk& ask) {
   const KeptKey& key = with_.durable->commands_left().at(ask.request - 1).key;
   const std::string scene = key.scene();

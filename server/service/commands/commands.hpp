@@ -15,31 +15,31 @@
 
 namespace collided::engine::service {
 
-/// Carries out the commands of idl/command_table.hpp, whose handlers are in the families. Most that only look are answered
-/// on the thread that asks, on a snapshot; one that changes the world becomes a job of the world's thread; files, pairs of
-/// objects and shapes have threads of their own.
+/// Carries out the commands of idl/command_table.hpp, whose handlers are in the families. Most that only read are
+/// answered on the thread that asks, on a snapshot; one that changes the world becomes a job of the world's thread;
+/// files, pairs of objects and shapes have threads of their own.
 class Commands {
  public:
   using Collaborators = CommandCollaborators;
 
-  /// uploads  folder for files that clients send; empty: none are taken
+  /// uploads  folder for files that clients send; empty: uploads are refused
   Commands(const Collaborators& with, const std::string& uploads);
   ~Commands();
 
-  /// Sets where the answers go. To be called before the first run().
+  /// Sets where the answers go. Call this before the first run().
   void connect(Answering& answering) { context_.answers.connect(answering); }
-  /// Carries out again what an earlier process had carried out: scenes on a thread of their own, the rest on the
-  /// world's. To be called after connect(); returns at once.
+  /// Repeats the commands of an earlier process: scenes on a thread of their own, the rest on the world's. Call this
+  /// after connect(); returns at once.
   void replay(const std::vector<KeptCommand>& left);
-  /// Carries out what a command has done to another server's world, and waits for it. Returns why it was refused; empty:
-  /// it was not. One thread, not the world's.
+  /// Carries out a command that has changed another server's world, and waits for it. Returns why it was refused;
+  /// empty: it was not. One thread, not the world's.
   std::string follow(CommandAsk ask);
-  /// Whether replay() has nothing left to do. Any thread.
+  /// Whether replay() is complete. Any thread.
   bool replayed() const { return !replaying_.load(); }
-  /// Carries out a command. Any thread; returns at once, or after looking. The answer comes through
+  /// Carries out a command. Any thread; returns at once, or after reading. The answer comes through
   /// Answering::send_text().
   void run(CommandAsk ask);
-  /// To be called now and then, on the world's thread: calls off pairs, clearances and menus whose clients have gone, and
+  /// Call this regularly, on the world's thread: calls off pairs, clearances and menus whose clients have gone, and
   /// removes their fences.
   void look_for_gone();
   /// Calls off the load under way and ends the threads; commands that come later are refused.
@@ -61,7 +61,7 @@ class Commands {
   std::vector<std::unique_ptr<CommandFamily>> others_;
   std::map<std::string_view, BoundCommand> handlers_;
   std::atomic<bool> replaying_{false};
-  std::shared_mutex gate_;  // held shared while run() hands a command on; stop() takes it alone once
+  std::shared_mutex gate_;  // held shared while run() passes a command on; stop() takes it alone once
 };
 
 }  // namespace collided::engine::service

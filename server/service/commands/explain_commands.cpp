@@ -12,7 +12,7 @@
 #include "server/world/query/nearest_approach.hpp"
 #include "server/world/query/why_not_meeting.hpp"
 
-// Engine and service fill the structs of idl/answers/explanation.hpp; their lists of fields write the answers.
+// Engine and service fill the structs of idl/answers/explanation.hpp; their field lists write the answers.
 namespace collided::engine::service {
 
 using nlohmann::json;
@@ -20,11 +20,11 @@ using std::chrono::nanoseconds;
 
 namespace {
 
-/// An explanation looks at the two some tens to thousands of times, mostly at far fewer than all of their parts.
+/// An explanation examines the two tens to thousands of times, mostly at far fewer than all of their parts.
 constexpr double kLooksAtAll = 20;
-/// A distance for each of the nearest misses, each about as a pair; most objects are told apart by their boxes.
+/// Each of the nearest misses needs a distance, about as costly as a pair; boxes separate most objects.
 constexpr double kObjectsPerCost = 100;
-/// About as a group's clearance of a thousand objects; the thread for costly pairs has it in any case.
+/// About as costly as a group's clearance of a thousand objects; it runs on the thread for costly pairs in any case.
 constexpr double kStandingCost = 10'000;
 /// Two states of the past, and two reports on the pair.
 constexpr double kEventCostPerObject = 1.0 / 50;
@@ -42,7 +42,7 @@ ExplainedApproach told_approach(const NearestApproach& nearest) {
           .looks = nearest.looks};
 }
 
-/// The name of the one of the two that moves along with the other; empty where neither does.
+/// The name of the one that moves along with the other; empty if neither does.
 std::string attached_of(const Snapshot& state, ObjectId a, ObjectId b) {
   if (!state.parents) return {};
   for (const auto& [child, parent] : {std::pair(a, b), std::pair(b, a)}) {
@@ -52,7 +52,7 @@ std::string attached_of(const Snapshot& state, ObjectId a, ObjectId b) {
   return {};
 }
 
-/// The ray's seven numbers; throws BadCommand where they are none.
+/// The ray's seven numbers; throws BadCommand if they are invalid.
 std::array<double, kRayNumbers> ray_numbers(const Arguments& arguments) {
   const std::vector<double> list = arguments.numbers("ray");
   if (list.size() != 6) throw BadCommand(fmt::format("explain: 'ray' has {} numbers; 6 are needed", list.size()));
@@ -78,7 +78,7 @@ ExplainedNews news_of(const RecentEvent& recent, bool is_of_nearest) {
 
 }  // namespace
 
-/// The argument that is there says what is explained: a standing question, a ray, an event, or the two of a pair.
+/// The argument that is present selects what is explained: a standing question, a ray, an event, or the two of a pair.
 void MeasuringCommands::explain_later(CommandAsk ask, const Arguments& arguments) {
   if (arguments.has("standing")) return explain_standing_later(std::move(ask));
   if (arguments.has("ray"))
@@ -87,7 +87,7 @@ void MeasuringCommands::explain_later(CommandAsk ask, const Arguments& arguments
   if (arguments.has("event"))
     return in_turn(std::move(ask), arguments, "explain", &MeasuringCommands::asked_event,
                    &MeasuringCommands::explained_event);
-  static_cast<void>(arguments.whole("last_ns"));  // a wrong one is refused at once
+  static_cast<void>(arguments.whole("last_ns"));  // refuses a wrong one at once
   in_turn(std::move(ask), arguments, "explain", &MeasuringCommands::asked_explanation, &MeasuringCommands::explained);
 }
 
@@ -153,7 +153,7 @@ json MeasuringCommands::explained_ray(const AskedRay& asked) const {
 
 // ---- a standing question -------------------------------------------------------------------------------------------
 
-/// The world's thread says what it holds; distances and depths are worked out on the thread for costly pairs.
+/// The world's thread reads what it holds; distances and depths are computed on the thread for costly pairs.
 void MeasuringCommands::explain_standing_later(CommandAsk ask) {
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
   if (!with_.inbox.push_job([this, shared] { explain_standing_of(*shared); }))

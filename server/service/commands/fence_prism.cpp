@@ -12,7 +12,7 @@
 namespace collided::engine::service {
 namespace {
 
-/// Which way the ring goes around at its lowest corner, the leftmost of those: +1 to the left, 0 where it is flat there.
+/// The ring's direction at its lowest corner, the leftmost of those: +1 to the left, 0 if it is flat there.
 int turn_of_ring(std::span<const std::array<double, 2>> corners) {
   std::size_t lowest = 0;
   for (std::size_t i = 1; i < corners.size(); ++i) {

@@ -76,7 +76,7 @@ class ObjectsEncoder {
   }
 
  private:
-  /// The runs of triangles that show the object: its part of a scene, its mesh, its hulls.
+  /// The runs of triangles that show the object: its part of a scene, its mesh, or its hulls.
   std::vector<format::Run> runs_of(const ObjectInfo& info) {
     std::vector<format::Run> runs;
     const auto add_whole = [&](const std::shared_ptr<const TriangleMesh>& mesh, bool is_hull) {
@@ -102,7 +102,7 @@ class ObjectsEncoder {
   std::vector<flatbuffers::Offset<format::ShownObject>> objects_;
 };
 
-/// The material of each triangle is the number of its part: parts are what a file's materials and groups have become.
+/// The material of each triangle is the number of its part: parts come from a file's materials and groups.
 std::vector<std::uint32_t> materials_of(const StaticScene& scene) {
   std::vector<std::uint32_t> materials(scene.mesh.triangles.size());
   for (std::uint32_t i = 0; i < scene.parts.size(); ++i) {

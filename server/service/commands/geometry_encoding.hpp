@@ -12,8 +12,8 @@
 
 namespace collided::engine::service {
 
-/// What viewers receive, as buffers of idl/geometry.fbs. Pure but for the numbers that surfaces are given; any thread
-/// may read any state. The work grows with the result, so the world's thread has no part in it.
+/// What viewers receive, as buffers of idl/geometry.fbs. Pure except that surfaces are given numbers; any thread may
+/// read any state. The work grows with the result, so it never runs on the world's thread.
 
 using wire_contract::command::kMaxGeometryBytes;
 inline constexpr std::uint64_t kMaxPosesReported = 400'000;

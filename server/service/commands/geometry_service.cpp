@@ -65,13 +65,12 @@ std::string GeometryService::surface(const Arguments& arguments) {
   if (!(cosine >= -1 && cosine <= 1)) throw BadCommand("surface: crease_cosine is out of range; allowed: -1 to 1");
   const SurfaceNumbers::Found found = numbers_.find(arguments.whole("surface"));
   const bool is_ours = arguments.whole("epoch") == world_.newest()->epoch;
-  // An empty page says that the surface is gone, of another run of the server perhaps: the viewer asks for the shapes
-  // again.
+  // An empty page means that the surface is gone, for example after a restart: the viewer asks for the shapes again.
   if (!is_ours || !found.mesh) return encode_page(0, 0, 0, {});
   return first_page(encode_surface(found, arguments.truth("edges") ? std::optional(cosine) : std::nullopt));
 }
 
-/// The next page of a buffer. The last page ends the transfer; any other makes it the one that is dropped last.
+/// The next page of a buffer. The last page ends the transfer; any other makes it the last to be dropped.
 std::string GeometryService::more(const Arguments& arguments) {
   const std::uint64_t number = arguments.whole("transfer");
   const std::uint64_t first = arguments.whole("first");
@@ -98,7 +97,7 @@ std::string GeometryService::first_page(std::string bytes) {
   return encode_page(kept.number, kept.bytes.size(), 0, std::string_view(kept.bytes).substr(0, kPageBytes));
 }
 
-/// Drops transfers that are stale, and the stalest ones until there is room for `byte_count` more.
+/// Drops stale transfers, then the stalest ones until there is room for `byte_count` more.
 void GeometryService::make_room(std::size_t byte_count) {
   std::uint64_t kept = byte_count;
   for (const Transfer& transfer : transfers_) kept += transfer.bytes.size();

@@ -18,9 +18,9 @@
 
 namespace collided::engine::service {
 
-/// Sends viewers what is where, in pages, on a thread of its own: the commands shapes, surface and more. Every buffer
-/// is of one state. A buffer is kept until its last page was sent, for half a minute without a request, or until too
-/// much waits.
+/// Sends geometry and poses to viewers, in pages, on a thread of its own: the commands shapes, surface and more. Every
+/// buffer is of one state. A buffer is kept until its last page was sent, for half a minute without a request, or until
+/// too many wait.
 class GeometryService {
  public:
   /// world, answers  must outlive this
@@ -29,10 +29,10 @@ class GeometryService {
   GeometryService(const GeometryService&) = delete;
   GeometryService& operator=(const GeometryService&) = delete;
 
-  /// The commands `shapes`, `surface` and `more`, which the thread of its own answers through `answers`, and `poses`, which
-  /// the thread that asks does. They must not outlive this.
+  /// The commands `shapes`, `surface` and `more`, which its own thread answers through `answers`, and `poses`, which
+  /// the asking thread answers. They must not outlive this.
   std::vector<BoundCommand> commands();
-  /// Refuses what waits, then ends the thread.
+  /// Refuses waiting commands, then ends the thread.
   void stop();
 
  private:
@@ -43,7 +43,7 @@ class GeometryService {
   static constexpr std::uint64_t kMostKeptBytes = std::uint64_t{1} << 30;  // of all buffers kept
   static constexpr std::chrono::seconds kPatience{30};
 
-  /// A buffer of which pages are yet to be sent.
+  /// A buffer with pages left to send.
   struct Transfer {
     std::uint64_t number = 0;
     std::string bytes;
@@ -51,7 +51,7 @@ class GeometryService {
   };
 
   using Handler = std::string (GeometryService::*)(const Arguments&);
-  /// A command that waits, and its handler.
+  /// A waiting command, and its handler.
   struct Job {
     CommandAsk ask;
     Handler handler;
@@ -68,7 +68,7 @@ class GeometryService {
   const World& world_;
   CommandAnswers& answers_;
   SurfaceNumbers numbers_;
-  std::list<Transfer> transfers_;  // the one whose last request is oldest comes first
+  std::list<Transfer> transfers_;  // ordered by last request, oldest first
   std::uint64_t newest_transfer_ = 0;
   WorkQueue<Job> jobs_;
   std::atomic<bool> stopping_{false};

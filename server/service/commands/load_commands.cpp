@@ -22,7 +22,7 @@ namespace {
 
 constexpr std::int64_t kProgressPeriodNs = 100'000'000;
 
-/// CRC-32 of a file; nothing where it cannot be read.
+/// CRC-32 of a file; nothing if it cannot be read.
 std::optional<std::uint32_t> checksum_of(const std::string& path) {
   std::ifstream file(path, std::ios::binary);
   std::vector<char> bytes(std::size_t{1} << 20);
@@ -97,8 +97,8 @@ void LoadCommands::load_later(CommandAsk ask, const Arguments& arguments) {
   });
 }
 
-/// Loads an uploaded file as if the command had named its path. The text says so too, since it is what is carried out
-/// again by the next process.
+/// Loads an uploaded file as if the command had named its path. The text gets the path too, since the next process
+/// repeats it.
 void LoadCommands::load_upload(CommandAsk ask, const std::string& path, std::uint32_t checksum) {
   json words = json::parse(ask.text);
   words.erase("upload");
@@ -110,7 +110,7 @@ void LoadCommands::load_upload(CommandAsk ask, const std::string& path, std::uin
   load_later(std::move(ask), arguments);
 }
 
-/// Reads and indexes the file on the thread for slow work, then hands the scene to the world's thread.
+/// Reads and indexes the file on the thread for slow work, then passes the scene to the world's thread.
 void LoadCommands::load_one(Load load) {
   const CommandAsk& ask = load.ask;
   std::atomic<std::int64_t> reported_ns{steady_ns()};
@@ -134,7 +134,7 @@ void LoadCommands::load_one(Load load) {
   }
   load.options = {};  // its functions refer to locals
   const auto shared = std::make_shared<Load>(std::move(load));
-  // Loads wait in a queue of their own, so few of these wait at a time; and the work is done already.
+  // Loads wait in a queue of their own, so few of these wait at a time; and the work is already done.
   with_.inbox.push_own_job([this, shared, loaded] {
     bool is_added = false;
     answers_.answer_once_kept(
@@ -154,14 +154,14 @@ void LoadCommands::refuse_load(const Load& load, const std::string& why, const s
   answers_.refuse(load.ask, why, hint);
 }
 
-/// Removes the uploaded file of a load that was not done. A load that is carried out again keeps it: the journal still
-/// names it, and the next start may find the memory, or the name free. The next start removes it once nothing names it.
+/// Removes the uploaded file of a failed load. A repeated load keeps it: the journal still names it, and the next start
+/// may have enough memory, or find the name free. The next start removes it once nothing names it.
 void LoadCommands::drop_file_of(const Load& load) {
   if (load.ask.client != 0) uploads_.forget(load.path);
 }
 
-/// Throws BadCommand where the keys of whoever loads are not for a name that the scene brings, or that goes for it. What
-/// space is complete is said of the whole world, by keys for all names only.
+/// Throws BadCommand if the sender's keys do not cover a name that the scene adds, or that is removed for it. To
+/// declare space complete, keys for all names are needed, since that concerns the whole world.
 void LoadCommands::refuse_foreign_load(const Load& load, const Scene& scene, bool replaces) const {
   for (const Part& part : scene.parts) refuse_if_foreign(load.ask, part.name, "loaded");
   for (const SceneObject& object : scene.objects) refuse_if_foreign(load.ask, object.name, "loaded");
@@ -173,7 +173,7 @@ void LoadCommands::refuse_foreign_load(const Load& load, const Scene& scene, boo
                                  peer->name, fmt::join(peer->objects, ", ")));
 }
 
-/// Puts a loaded scene into the world, where asked in place of the one of its name. On the world's thread; throws
+/// Puts a loaded scene into the world, if asked in place of the one of its name. On the world's thread; throws
 /// BadCommand, and then nothing was added.
 json LoadCommands::add_scene(const Load& load, LoadedScene& loaded) {
   World& world = with_.loop.world();
@@ -220,7 +220,7 @@ json LoadCommands::add_scene(const Load& load, LoadedScene& loaded) {
   return answer;
 }
 
-/// Keeps the uploaded file of a scene, which the next process needs, and drops that of the scene it replaced.
+/// Keeps the uploaded file of a scene, which the next process needs, and drops that of the replaced scene.
 void LoadCommands::keep_upload(const std::string& scene, const std::string& path) {
   if (const auto before = upload_of_scene_.find(scene); before != upload_of_scene_.end()) {
     forget_upload(before->second);
@@ -245,7 +245,7 @@ void LoadCommands::drop_uploads() {
   }
 }
 
-/// Removes an uploaded file once the journal names it no longer: a process that is started before that loads it again.
+/// Removes an uploaded file once the journal no longer names it: a process started before that loads it again.
 void LoadCommands::forget_upload(const std::string& path) {
   if (with_.durable == nullptr) return uploads_.forget(path);
   with_.durable->then([this, path](const std::string& not_kept) {

@@ -12,15 +12,15 @@
 
 namespace collided::engine::service {
 
-/// Files that are loaded: the server's own, and those that clients send.
+/// Loads files: the server's own, and those that clients send.
 class LoadCommands : public CommandFamily {
  public:
-  /// uploads  folder for files that clients send; empty: none are taken
+  /// uploads  folder for files that clients send; empty: uploads are refused
   LoadCommands(CommandContext& context, const std::string& uploads);
 
   std::vector<BoundCommand> commands() override;
   void stop() override { uploads_.stop(); }
-  /// Reads and indexes the file on this thread, then hands the scene to the world's. Throws BadCommand.
+  /// Reads and indexes the file on this thread, then passes the scene to the world's. Throws BadCommand.
   void load_now(CommandAsk ask, const Arguments& arguments) { load_one(parsed(std::move(ask), arguments)); }
 
  private:
@@ -32,8 +32,8 @@ class LoadCommands : public CommandFamily {
     std::vector<Aabb> covers;
     bool replace = false;
     bool is_moving = false;                 // its objects take poses
-    bool is_durable = false;                // refused where it cannot be kept
-    std::optional<std::uint32_t> checksum;  // CRC-32 of the file; nothing: whatever it holds is taken
+    bool is_durable = false;                // refused if it cannot be stored
+    std::optional<std::uint32_t> checksum;  // CRC-32 of the file; nothing: any content is accepted
   };
 
   Load parsed(CommandAsk ask, const Arguments& arguments) const;

@@ -38,7 +38,7 @@ json MeasuringCommands::audit() const {
 
 namespace {
 
-/// The questions that came with the command; BadCommand names the first that is none.
+/// The questions that came with the command; BadCommand names the first invalid one.
 std::vector<double> own_questions(QuestionKind kind, const std::vector<std::byte>& bytes) {
   const std::size_t stride = numbers_of(kind);
   const std::size_t question_bytes = stride * sizeof(double);
@@ -99,7 +99,7 @@ std::vector<BoundCommand> MeasuringCommands::commands() {
           on_asking_thread(names::kAudit, this, &MeasuringCommands::audit)};
 }
 
-/// A job that ends with its deadline, or with its client.
+/// A job that ends at its deadline, or when its client goes.
 std::shared_ptr<MeasuringCommands::AwaitedJob> MeasuringCommands::await(CommandAsk ask, const Arguments& arguments) {
   const auto job = std::make_shared<AwaitedJob>();
   job->ask = std::move(ask);
@@ -110,12 +110,12 @@ std::shared_ptr<MeasuringCommands::AwaitedJob> MeasuringCommands::await(CommandA
   return job;
 }
 
-/// Whether somebody waits for what the job is about to do. While the server stops, each gets that answer.
+/// Whether a client still waits for this job. While the server stops, each client is refused with that reason.
 bool MeasuringCommands::is_wanted(const AwaitedJob& job) const {
   return threads_.are_stopping() || !job.called_off.load();
 }
 
-/// What the work found; throws BadCommand where the server stops before it has come to an end.
+/// The result of the work; throws BadCommand if the server stops before it is complete.
 json MeasuringCommands::finished(const AwaitedJob& job, const std::function<json()>& work) const {
   json answer = work();
   if (threads_.are_stopping() && job.called_off.load()) throw BadCommand("the server is stopping");
@@ -169,7 +169,7 @@ void MeasuringCommands::menu_later(CommandAsk ask, const Arguments& arguments) {
   if (!is_taken) answers_.refuse(job->ask, CommandThreads::kNoThread);
 }
 
-/// What there is by the deadline, and whether that is all.
+/// What is found by the deadline, and whether that is all.
 json MeasuringCommands::menu(const MenuOptions& options, const AwaitedJob& job) const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
   Menu answer{.rows = menu_of(*state, options), .seed = options.seed, .version = state->version};

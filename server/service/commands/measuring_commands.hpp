@@ -18,18 +18,18 @@
 
 namespace collided::engine::service {
 
-/// What commands measure and explain, on the threads for what takes long; each answer may be called off.
+/// Measurements and explanations, on the threads for long commands; each answer may be called off.
 class MeasuringCommands : public CommandFamily {
  public:
   using CommandFamily::CommandFamily;
 
   std::vector<BoundCommand> commands() override;
   void look_for_gone() override;
-  /// Waits a moment for the jobs under way, then has what is left of them end at once.
+  /// Waits a moment for the jobs under way, then ends the rest at once.
   void stop() override;
 
  private:
-  /// A command: what it asks, and when nobody needs the answer any more (steady clock), or that its client has gone.
+  /// A command's question, and when its answer is needed no more (steady clock), or that its client has gone.
   struct AwaitedJob {
     CommandAsk ask;
     std::int64_t deadline_ns = 0;
@@ -37,7 +37,7 @@ class MeasuringCommands : public CommandFamily {
 
     bool is_over() const { return called_off.load() || (deadline_ns != 0 && steady_ns() > deadline_ns); }
   };
-  /// The state that a command asks about, and about how many triangles the answer has to look at.
+  /// The state that a command asks about, and about how many triangles the answer examines.
   struct AskedState {
     SnapshotRing::Lease newest;
     std::shared_ptr<const Snapshot> past = nullptr;  // null: the newest is asked about
@@ -67,8 +67,8 @@ class MeasuringCommands : public CommandFamily {
     const std::atomic<bool>* called_off = nullptr;
     double cost = 0;
   };
-  /// A command up to this cost takes some milliseconds at most where its surfaces are not everywhere near each other, and
-  /// some 50 ms where they are; what costs more has a thread of its own, where only its like waits for it.
+  /// A command up to this cost takes a few milliseconds at most if its surfaces are not close everywhere, and about 50
+  /// ms if they are; costlier ones have a thread of their own.
   static constexpr double kCheapCost = 4'000;
   /// Certificates and lists of triangles take this many times longer.
   static constexpr double kDetailCost = 8;
@@ -106,11 +106,11 @@ class MeasuringCommands : public CommandFamily {
   std::vector<std::weak_ptr<AwaitedJob>> awaited_;  // those not yet answered, and some that are
 };
 
-/// Has a command answered on the thread for pairs, or, where it costs much, on the one for what is costly. The arguments
-/// are checked before; what they name is looked up in the state of the moment in which the work begins.
+/// Answers a command on the thread for pairs, or, if it costs much, on the one for costly commands. The arguments are
+/// checked before; objects are looked up in the state of the moment at which the work begins.
 ///
-/// find   what is asked, with its cost; throws BadCommand
-/// work   the answer
+/// find  the question with its cost; throws BadCommand
+/// work  the answer
 template <class Asked>
 void MeasuringCommands::in_turn(CommandAsk ask, const Arguments& arguments, const char* what,
                                 Asked (MeasuringCommands::*find)(const AwaitedJob&) const,

@@ -15,7 +15,7 @@
 #include "server/world/query/query.hpp"
 #include "server/world/solids/declared.hpp"
 
-// Objects: what is there, and what commands add and move.
+// Objects: lists them, and adds and moves them by command.
 namespace collided::engine::service {
 
 using nlohmann::json;
@@ -33,7 +33,7 @@ std::vector<BoundCommand> ObjectCommands::commands() {
           on_world_thread(names::kDetach, this, &ObjectCommands::detach)};
 }
 
-/// The object of that name, of which the newest snapshot is then sure to have a row.
+/// The object of that name; the newest snapshot then has a row of it.
 ObjectId ObjectCommands::find_object(const std::string& name) const {
   if (const std::optional<ObjectId> id = with_.loop.world().find(name)) {
     // Defined since the last step: a step puts it into the snapshot.
@@ -116,7 +116,7 @@ json ObjectCommands::left_out(const Arguments& arguments) {
 
 namespace {
 
-/// Makes the object's mesh solid; returns what makes it more than a border. Throws BadCommand where it bounds no solid.
+/// Makes the object's mesh solid; returns a warning, or nothing. Throws BadCommand if it bounds no solid.
 /// Primitives are solid without it.
 std::string declare_solid(ObjectDefinition& definition, SolidBy by) {
   if (!definition.shape.mesh) return {};
@@ -163,8 +163,8 @@ json ObjectCommands::add(const CommandAsk& ask, const Arguments& arguments) {
   return answer;
 }
 
-/// Keeps the last place of an object of a scene, or of one that a command has added. That of one that a lost publisher left
-/// goes with the publisher.
+/// Stores the last pose of an object of a scene, or of one that a command has added. An object left by a lost publisher
+/// goes with the publisher, and so does its pose.
 void ObjectCommands::keep_moved(const ObjectInfo& info, const CommandAsk& ask) {
   const std::string& scene = info.rare->scene;
   if (info.publisher != 0) return keep({KeptKind::published, info.name}, ask, info.publisher);
@@ -193,7 +193,7 @@ json ObjectCommands::move(const CommandAsk& ask, const Arguments& arguments) {
                                  printable(world.info(id)->rare->scene)));
   }
   const ObjectInfo& info = *world.info(id);
-  // When it is carried out again the object is placed, not moved: its motion was over before the crash.
+  // When repeated, the object is placed, not moved: its motion ended before the crash.
   json again = json::parse(ask.text);
   again["teleport"] = true;
   keep_moved(info, {0, 0, again.dump(), {}});

@@ -7,16 +7,16 @@
 
 namespace collided::engine::service {
 
-/// Objects: what is there, and what commands add, move, attach and remove.
+/// Lists, adds, moves, attaches and removes objects.
 class ObjectCommands : public CommandFamily {
  public:
   using CommandFamily::CommandFamily;
 
   std::vector<BoundCommand> commands() override;
   void look_for_gone() override;
-  /// Whether the command removes or moves what is not there. On the world's thread, as all below.
+  /// Whether the command removes or moves an object that does not exist. On the world's thread, as all below.
   bool is_moot(const Arguments& arguments) const;
-  /// Puts off an attachment of before the start, if its parent may still come back with its publisher; else false.
+  /// Defers an attachment from before the start if its parent may still come back with its publisher; else false.
   bool put_off(const CommandAsk& ask, const Arguments& arguments);
 
  private:

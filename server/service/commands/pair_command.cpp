@@ -86,7 +86,7 @@ double part_count(const ObjectInfo& info) {
 
 bool has_parts(const ObjectInfo& info) { return part_count(info) > 0; }
 
-/// Another library's opinion, in a process of its own, takes as long as about so many triangles.
+/// Another library's opinion, in a process of its own, takes about as long as this many triangles.
 constexpr double kOpinionCost = 100'000;
 
 }  // namespace

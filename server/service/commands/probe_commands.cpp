@@ -67,7 +67,7 @@ json ProbeCommands::probe(const CommandAsk& ask, const Arguments& arguments) {
   return {{"probes", changed}, {"version", with_.loop.world().newest()->version}};
 }
 
-/// What every probe reads in the newest state.
+/// The reading of every probe in the newest state.
 json ProbeCommands::probes(const Arguments& arguments) {
   const std::string glob = arguments.text("name");
   const std::vector<ProbeReading>& readings = with_.loop.read_probes();

@@ -64,14 +64,14 @@ void RecordingCommands::recording_later(CommandAsk ask, const Arguments& argumen
   if (arguments.has("number")) {
     const std::uint64_t number = arguments.whole("number");
     const std::uint64_t offset = arguments.whole("offset");
-    // A recording that held earlier ones would be twice as long each time somebody asks for it.
+    // A recording that contained earlier ones would double in length with each request.
     answers_.answering().send_text(ask.client, ask.request, ReplyStatus::ok, page_of(recording_path(number), offset),
                                    false);
     return;
   }
   const double last_s = arguments.number("last_s");
   if (!(last_s >= 0 && last_s <= 86'400)) throw BadCommand("recording: last_s is a time from 0 to a day");
-  // About as long as a pair of so many triangles.
+  // About as costly as a pair with this many triangles.
   constexpr double kCost = 100'000;
   const auto shared = std::make_shared<CommandAsk>(std::move(ask));
   const auto last_ns = static_cast<std::int64_t>(last_s * 1e9);
@@ -88,7 +88,7 @@ std::string RecordingCommands::recording_path(std::uint64_t number) {
                    "ask for a new one");
 }
 
-/// Writes a new file and removes the oldest where more than kMostRecordings are kept.
+/// Writes a new file and removes the oldest if more than kMostRecordings are kept.
 json RecordingCommands::write_recording(std::int64_t last_ns) {
   const std::uint64_t number = ++recordings_made_;
   const FlightFile file = with_.flight->write(fmt::format("{}", number % (2 * kMostRecordings)), last_ns);
@@ -105,7 +105,7 @@ json RecordingCommands::write_recording(std::int64_t last_ns) {
           {"path", file.path}, {"from_ns", file.from_ns}, {"to_ns", file.to_ns}};
 }
 
-/// Removes the files made for clients to fetch; those that a signal had written stay.
+/// Removes the files made for clients to fetch; those written on a signal stay.
 void RecordingCommands::forget() {
   const std::lock_guard lock(recordings_mutex_);
   for (const auto& [number, path] : recordings_) {

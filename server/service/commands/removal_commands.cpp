@@ -22,7 +22,8 @@ bool is_glob(const std::string& name) { return name.find_first_of("*?[") != std:
 
 }  // namespace
 
-/// Since the last start the start options or a scene's file may have changed, and what a command had added may be lost.
+/// The start options or a scene's file may have changed since the last start, and an object that a command had added
+/// may be lost.
 bool ObjectCommands::is_moot(const Arguments& arguments) const {
   const World& world = with_.loop.world();
   if (arguments.command() == names::kRemove || arguments.command() == names::kMove)
@@ -65,7 +66,7 @@ json ObjectCommands::remove(const CommandAsk& ask, const Arguments& arguments) {
   return answer;
 }
 
-/// The file of a scene still has what was taken out of it, so that is kept as its removal.
+/// The file of a scene still contains the removed part, so its removal is stored.
 void ObjectCommands::note_removed(const CommandAsk& ask, const ObjectInfo& info) {
   const std::string& scene = info.rare->scene;
   if (info.publisher != 0) return with_.inventory.erase({KeptKind::published, info.name});
@@ -74,8 +75,8 @@ void ObjectCommands::note_removed(const CommandAsk& ask, const ObjectInfo& info)
   keep(KeptKey::of_member(KeptKind::gone, scene, info.name), {ask.client, ask.request, again.dump(), {}});
 }
 
-/// Removes scenes and objects; what live publishers have stays and is counted as kept, and so does what the keys of
-/// whoever clears are not for, a scene as a whole. One scene by its name is refused instead.
+/// Removes scenes and objects. Objects of live publishers, and whole scenes that the sender's keys do not cover, stay
+/// and are counted as kept. One scene by its name is refused instead.
 json ObjectCommands::clear(const CommandAsk& ask, const Arguments& arguments) {
   World& world = with_.loop.world();
   const std::string scene = arguments.text("scene");
@@ -88,7 +89,7 @@ json ObjectCommands::clear(const CommandAsk& ask, const Arguments& arguments) {
   }
   if (const ObjectInfo* foreign = scene.empty() ? nullptr : foreign_in_scene(ask, scene))
     refuse_if_foreign(ask, foreign->name, "removed");
-  with_.loop.step_now();  // what has moved is examined before it goes
+  with_.loop.step_now();  // poses that have changed are examined before their objects go
   std::uint32_t removed = 0;
   std::uint32_t kept = 0;
   std::set<std::string_view> kept_scenes;

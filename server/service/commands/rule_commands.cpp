@@ -46,7 +46,7 @@ class RuleCommands : public CommandFamily {
  private:
   json allow(const Arguments& arguments);
   json deny(const Arguments& arguments);
-  json allowed() const;  // on the thread that asks
+  json allowed() const;  // on the asking thread
   json change_rules(const PairRule& changed, std::vector<PairRule> rules);
 };
 
@@ -99,7 +99,7 @@ json RuleCommands::deny(const Arguments& arguments) {
   std::vector<PairRule> rules = with_.loop.world().pair_rules();
   erase_same(rules, rule);
   rule.allows = false;
-  // Where nothing else is allowed there is nothing to take back.
+  // If nothing else is allowed there is nothing to revoke.
   if (std::ranges::any_of(rules, &PairRule::allows)) rules.push_back(rule);
   json answer = change_rules(rule, std::move(rules));
   const auto& events = with_.loop.world().events();

@@ -10,7 +10,7 @@ namespace {
 
 using nlohmann::json;
 
-/// The numbers of a question, by the names that its verb of `collide` gives them. A ray without an end has no length, a search
+/// The numbers of a question, by the names in its verb of `collide`. A ray without an end has no length, a search
 /// without one no reach.
 void add_question(json& row, const SampledQuestion& sample) {
   const auto vector = [&](std::size_t first) {

@@ -13,7 +13,7 @@
 namespace collided::engine::service {
 namespace {
 
-// Of the progress: reading a mesh in text takes about as long as indexing it.
+// Of the progress: reading a text mesh takes about as long as indexing it.
 constexpr double kReadingShare = 0.5;
 
 std::string counted(std::size_t count, std::string_view what) {
@@ -39,7 +39,7 @@ void declare(LoadedScene& loaded, const LoadOptions& options) {
   report.warnings.insert(report.warnings.end(), declared.warnings.begin(), declared.warnings.end());
 }
 
-/// What a shard holds of the scene, as a sentence.
+/// The part of the scene that a shard holds, as a sentence.
 std::string held_by(const ShardPlace& shard, const Scene& scene, const LeftOutOfScene& left_out) {
   if (!scene.tiles)
     return fmt::format("shard '{}' leaves out {} and {}: they lie outside of its box and margin", shard.name,
@@ -84,7 +84,7 @@ LoadedScene load_and_index(const std::string& path, LoadOptions options, const S
   }
   if (shard != nullptr) {
     reading.within = shard->held;
-    // What a part encloses is known of all of it only.
+    // What a part encloses can be computed only from all of it.
     reading.needed_whole = [&](std::string_view part) { return wire_contract::glob_matches(options.solid, part); };
   }
   Scene scene = path == kEmbeddedPath ? embedded_scene() : load_scene(path, reading, report);

@@ -33,7 +33,7 @@ Counts<std::uint64_t> now(const Counts<Tally>& sums) {
   return counts;
 }
 
-/// What is held of the scenes whose files are in tiles.
+/// The tiles held of scenes whose files are in tiles.
 std::vector<HeldTiles> tiles_of(const Snapshot& state) {
   std::vector<HeldTiles> rows;
   for (const auto& scene : state.scenes) {
@@ -99,7 +99,7 @@ std::vector<Wing> ServerCommands::wings() const {
   return wings;
 }
 
-/// Which structures the server builds for this world, and which it leaves out and why.
+/// The structures that the server builds for this world, and those that it leaves out, with reasons.
 json ServerCommands::plan() const {
   const SnapshotRing::Lease state = with_.loop.world().newest();
   Plan plan;
@@ -122,7 +122,7 @@ json ServerCommands::plan() const {
     plan.bytes += scene->bytes();
     scenes.push_back({{"scene", scene->name}, {"load", json::parse(scene->source, nullptr, false)}});
     if (scene->tiles) scenes.back()["tiles"] = tiles_json(*scene->tiles);
-    // An uploaded file is the server's own copy, which goes with the scene.
+    // An uploaded file is the server's own copy, which is removed with the scene.
     if (scenes.back()["load"].is_discarded() || scenes.back()["load"].contains("foreign"))
       scenes.back()["load"] = nullptr;
   }
@@ -172,8 +172,7 @@ json ServerCommands::steps(const Arguments& arguments) const {
   return json_of(NewestSteps{.steps = with_.loop.traces().newest(arguments.whole("last"))});
 }
 
-/// What of the time before the crash is missing, and, unless that is only to be shown, that the world counts as whole
-/// without it.
+/// Lists what is missing since the crash and, unless only asked to show it, declares the world complete without it.
 json ServerCommands::accept_loss(const Arguments& arguments) {
   const bool shows_only = arguments.truth("show");
   const std::vector<std::string> losses =

@@ -6,7 +6,7 @@
 
 namespace collided::engine::service {
 
-/// What this server holds of a world that several servers share.
+/// The part that this server holds of a world shared by several servers.
 struct ShardPlace {
   std::string name;
   Aabb held;  // it has everything that comes into this box

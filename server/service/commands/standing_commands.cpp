@@ -22,7 +22,7 @@ namespace names = wire_contract::command;
 
 namespace {
 
-/// Nothing: of every form.
+/// Nothing: every form.
 std::optional<StandingForm> asked_form(const Arguments& arguments) {
   const std::string word = arguments.text("form");
   if (word.empty()) return std::nullopt;
@@ -32,7 +32,7 @@ std::optional<StandingForm> asked_form(const Arguments& arguments) {
   throw BadCommand(fmt::format("'form' is {}; allowed: region, bands, nearest", printable(word)));
 }
 
-/// Polylines of what a picture shows, in its frame.
+/// Polylines of a picture, in its frame.
 std::vector<std::vector<double>> lines_of(const FenceTable& table, std::uint32_t slot) {
   std::vector<std::vector<double>> lines;
   for (const Polyline& line :
@@ -58,7 +58,7 @@ std::vector<CommandAsk> split(const CommandAsk& ask) {
   return fences;
 }
 
-/// Parts of loaded scenes that the globs of bands match, which have no bands.
+/// Parts of loaded scenes that the globs of bands match; they have no bands.
 std::uint64_t matching_parts(const FenceDefinition& margin, const Snapshot& state) {
   std::uint64_t count = 0;
   for (const auto& info : state.objects) {
@@ -88,7 +88,7 @@ json StandingCommands::add_or_remove(const CommandAsk& ask, const Arguments& arg
   } else {
     asks.push_back(ask);
   }
-  // All or nothing: recordings and servers that follow know a command as done or refused.
+  // All or nothing: recordings and followers know a command as done or refused.
   std::vector<std::string> added;
   try {
     for (const CommandAsk& one : asks) {
@@ -109,7 +109,7 @@ json StandingCommands::add_or_remove(const CommandAsk& ask, const Arguments& arg
     if (!is_kept) owners_.insert(ask.client);
     keep({KeptKind::fence, added[i]}, asks[i], is_kept ? 0 : ask.client);
   }
-  // Whoever moves something after the answer finds the fences there.
+  // A client that moves something after the answer finds the fences in place.
   if (!asks.empty()) step();
   if (asks.size() > 1) added.clear();
   json answer{{"standing", added}, {"count", asks.size()}, {"version", with_.loop.world().newest()->version}};
@@ -167,8 +167,8 @@ void StandingCommands::look_for_gone() {
   }
 }
 
-/// Calls visit() for the questions of such a form whose names match the glob, those of bands last; a name without * ? [ is
-/// looked up.
+/// Calls visit() for the questions of this form whose names match the glob, those of bands last; a name without * ? [
+/// is looked up.
 void StandingCommands::for_each(const std::string& glob, std::optional<StandingForm> form, Visit visit) const {
   const Fences* fences = with_.loop.world().fences();
   if (fences == nullptr) return;
@@ -199,7 +199,7 @@ void StandingCommands::for_each(const std::string& glob, std::optional<StandingF
   }
 }
 
-/// What each region, band and question for the nearest holds, by its id.
+/// The objects that each region, band and question for the nearest holds, by its id.
 StandingCommands::HeldById StandingCommands::held() const {
   HeldById held;
   const World& world = with_.loop.world();
@@ -223,7 +223,7 @@ StandingCommands::HeldById StandingCommands::held() const {
   return held;
 }
 
-/// Of the bands' pairs each with the narrowest band that it is in, by the bands' name.
+/// For each pair in bands the narrowest band that it is in, by the bands' name.
 std::map<std::string, std::vector<HeldObject>> StandingCommands::narrowest(const HeldById& held) const {
   std::map<std::string, std::map<std::pair<std::string, std::string>, HeldObject>> pairs;
   for (const auto& [id, all] : held) {
@@ -301,7 +301,7 @@ json StandingCommands::outlines(const Arguments& arguments) {
   if (of_bands.empty()) return answer_of(std::move(rows), count);
   const FenceTable& table = world.fences()->table();
   for (std::uint32_t slot = 0; slot < table.size(); ++slot) {
-    // Two that touch need no line about them.
+    // Touching objects need no line.
     if (!table.holds(slot) || !table.is_band(slot) || table.rule(slot).band->within_m == 0) continue;
     const auto bands = of_bands.find(table.rule(slot).band->margin);
     if (bands != of_bands.end()) describe(bands->second, slot);

@@ -15,7 +15,7 @@
 
 namespace collided::engine::service {
 
-/// Regions, bands and questions for the nearest: they are added, listed and removed.
+/// Adds, lists and removes regions, bands and questions for the nearest.
 class StandingCommands : public CommandFamily {
  public:
   using CommandFamily::CommandFamily;
@@ -27,7 +27,7 @@ class StandingCommands : public CommandFamily {
  private:
   struct Named {
     std::string name;
-    std::uint64_t owner = 0;                 // the client that it goes with; 0: it is kept
+    std::uint64_t owner = 0;                 // the client that it is removed with; 0: it is kept
     std::uint32_t slot = FenceTable::kNone;  // of a region or the nearest
     const FenceDefinition* bands = nullptr;  // else of bands
   };

@@ -26,7 +26,7 @@ std::uint8_t detects_of(const Arguments& arguments) {
   return detects;
 }
 
-/// Makes the definition's mesh, which must close, hold what it encloses.
+/// Makes the definition's mesh, which must be closed, include its interior.
 void enclose(FenceDefinition& definition) {
   if (!definition.shape.mesh) return;
   DeclaredMesh declared = declare_solid_at_once(definition.shape.mesh);
@@ -65,7 +65,7 @@ FenceDefinition bands_of(const Arguments& arguments) {
   if (margin.margin->around.empty() || margin.only.empty())
     throw BadCommand(fmt::format("margin {}: two names or globs are needed, 'around' and 'only'. Nothing was added",
                                  printable(margin.name)));
-  // Two that touch are within all bands.
+  // Touching objects are within all bands.
   if (margin.margin->bands_m.empty() || margin.margin->bands_m.back() != 0) margin.margin->bands_m.push_back(0);
   return margin;
 }

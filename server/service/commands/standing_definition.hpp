@@ -10,7 +10,7 @@ namespace collided::engine::service {
 
 /// The standing question that a command defines; throws BadCommand.
 ///
-/// shape_bytes  of a region: table Shape of scene.fbs; unused where there is a prism
+/// shape_bytes  of a region: table Shape of scene.fbs; unused if there is a prism
 FenceDefinition definition_of(const Arguments& arguments, std::span<const std::byte> shape_bytes);
 
 }  // namespace collided::engine::service

@@ -8,13 +8,13 @@
 
 namespace collided::engine::service {
 
-/// Numbers by which viewers ask for surfaces: one for each mesh, however many objects share it, and never used again.
-/// Keeps no mesh alive.
+/// Numbers by which viewers ask for surfaces: one for each mesh, however many objects share it, and never reused. Keeps
+/// no mesh alive.
 ///
 /// threads  one
 class SurfaceNumbers {
  public:
-  /// The number of a mesh; a new one where the mesh has none yet.
+  /// The number of a mesh; a new one if the mesh has none yet.
   std::uint64_t number_of(const std::shared_ptr<const TriangleMesh>& mesh);
   /// The number of a scene's static triangles, all together.
   std::uint64_t number_of(const std::shared_ptr<const StaticScene>& scene);
@@ -37,7 +37,7 @@ class SurfaceNumbers {
   std::unordered_map<const TriangleMesh*, std::uint64_t> numbers_;
   std::unordered_map<std::uint64_t, Known> known_;
   std::uint64_t newest_ = 0;
-  std::size_t sweep_at_ = 256;  // entries at which the next look for meshes that are gone is due
+  std::size_t sweep_at_ = 256;  // entries at which the next sweep for expired meshes is due
 };
 
 }  // namespace collided::engine::service

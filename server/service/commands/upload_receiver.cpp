@@ -27,7 +27,7 @@ namespace {
 constexpr std::uint64_t kPieceBytes = names::kUploadPieceBytes;
 constexpr std::size_t kMostNameBytes = 128;
 
-/// Whether a file name is safe: no path, not hidden, nothing that a shell would read as more than a name.
+/// Whether a file name is safe: no path, not hidden, no characters special to a shell.
 bool is_good_file_name(const std::string& name) {
   const auto allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '.' || c == '_' ||
@@ -147,7 +147,7 @@ void UploadReceiver::begin(const CommandAsk& ask, const Arguments& arguments) {
                 .asked_at = Clock::now()};
   upload.missing = upload.pieces.size();
   upload.file = ::open(upload.path.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
-  // Takes the room on the disk now, so that a full one is reported before anything is sent.
+  // Allocates the room on disk now, so that a full disk is reported before anything is sent.
   const int fault = upload.file < 0 ? errno : ::posix_fallocate(upload.file, 0, static_cast<off_t>(bytes));
   bytes_[upload.path] = bytes;
   const auto place = uploads_.emplace(number, std::move(upload)).first;
@@ -182,7 +182,7 @@ void UploadReceiver::piece(const CommandAsk& ask, const Arguments& arguments) {
   answers_.send(ask, ReplyStatus::ok, json{{"missing", upload.missing}}.dump());
 }
 
-/// Checks that the file is complete and as it was sent, and syncs it, since a file to be loaded must outlive a crash;
+/// Checks that the file is complete and as it was sent, and syncs it, since a file to be loaded must survive a crash;
 /// then has it loaded.
 void UploadReceiver::commit(const CommandAsk& ask, const Arguments& arguments) {
   Upload& upload = find(ask, arguments);

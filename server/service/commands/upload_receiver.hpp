@@ -19,29 +19,29 @@
 namespace collided::engine::service {
 
 /// Receives files from clients on a thread of its own: in pieces, in any order and any number of times, each with its
-/// checksum, into a folder of its own. A complete file is handed on to be loaded. An upload without a piece for a
-/// minute is thrown away; all files together take at most a gibibyte.
+/// checksum, into a folder of its own. A complete file is passed on for loading. An upload without a piece for a minute
+/// is dropped; all files together take at most a gibibyte.
 class UploadReceiver {
  public:
   /// Loads the file at `path` of that CRC-32, which the client's `load` refers to; throws BadCommand.
   using Load = std::function<void(CommandAsk ask, const std::string& path, std::uint32_t checksum)>;
 
-  /// folder  empty: every upload is refused; made when it is needed
-  /// keep    commands to be carried out again: files of an earlier server that none of these texts names are removed
+  /// folder  empty: every upload is refused; made on first use
+  /// keep    commands to be repeated: files of an earlier server that none of these texts names are removed
   UploadReceiver(std::string folder, const std::vector<KeptCommand>& keep, CommandAnswers& answers, Load load);
   ~UploadReceiver() { stop(); }
   UploadReceiver(const UploadReceiver&) = delete;
   UploadReceiver& operator=(const UploadReceiver&) = delete;
 
-  /// The commands `upload` and `piece`, which the thread of its own answers through `answers`. They must not outlive this.
+  /// The commands `upload` and `piece`, which its own thread answers through `answers`. They must not outlive this.
   std::vector<BoundCommand> commands();
-  /// Queues a `load` of an upload, likewise. Throws BadCommand where too much waits. Any thread.
+  /// Queues a `load` of an upload, answered the same way. Throws BadCommand if too many commands wait. Any thread.
   void take_load(CommandAsk ask) { take(std::move(ask), &UploadReceiver::commit); }
-  /// Whether the path is that of a file that was received here. Any thread.
+  /// Whether the path is that of a file received here. Any thread.
   bool has_taken(const std::string& path) const;
-  /// Removes a received file that is needed no longer; other paths are ignored. Any thread.
+  /// Removes a received file that is no longer needed; other paths are ignored. Any thread.
   void forget(const std::string& path);
-  /// Refuses what waits, ends the thread, and throws away incomplete uploads.
+  /// Refuses waiting commands, ends the thread, and drops incomplete uploads.
   void stop();
 
  private:
@@ -60,7 +60,7 @@ class UploadReceiver {
   };
   using Job = std::variant<Asked, Forget>;
 
-  /// A file of which pieces are missing.
+  /// A file with missing pieces.
   struct Upload {
     std::uint64_t client = 0;
     std::string path;
