@@ -46,7 +46,7 @@ Answering::Answering(const Collaborators& with, const dds::Topic<wire::Reply>& r
 
 Answering::~Answering() {
   stop();
-  // What is left in the queue lets go of its state, and that hands on a chunk that came after the stop.
+  // Asks left in the queue release their states, and a release passes on waiting chunks: drop those after the stop.
   with_.leases.on_ready([](AskPointer) {});
 }
 
@@ -71,8 +71,8 @@ void Answering::listen(const dds::Taker<wire::Query>& taker) {
   spare_ = std::move(single);
 }
 
-/// Takes as much as the queue has room for. The first single question goes to `single`, where that is not null. One
-/// thread takes at a time: another that comes meanwhile raises the count, and the first one goes round once more.
+/// Takes as much as the queue has room for. The first single question goes to `single`, if that is not null. One thread
+/// takes at a time: another that arrives meanwhile raises the count, and the first one repeats its round.
 void Answering::take(const dds::Taker<wire::Query>& taker, AskPointer* single) {
   if (takers_.fetch_add(1) > 0) return;
   std::uint32_t seen = 1;
@@ -104,12 +104,12 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
   // The rest stays with DDS, which makes the clients wait, until a worker or go_on() comes back for it.
   if (stopping_.load()) return;
   left_in_reader_.store(taker.reader());
-  // Room or go_on() may have come before that was noted, and found nothing to come back for: then take() goes round again.
+  // Room or go_on() may have come before this was noted, and found nothing to come back for; then take() runs again.
   const bool may_take = !holds_.load() && queue_.has_room();
   if (may_take && left_in_reader_.exchange(0) != 0) takers_.fetch_add(1);
 }
 
-/// What the keys of whoever asks do not allow; null where they do. Which right a command needs is known once it is read.
+/// What the sender's keys do not allow; null: nothing. Which right a command needs is known once it is read.
 const char* Answering::why_not_allowed(const Ask& ask) const {
   if (options_.peers == nullptr) return nullptr;
   const wire::Query& query = *ask.query;
@@ -122,7 +122,7 @@ const char* Answering::why_not_allowed(const Ask& ask) const {
   return nullptr;
 }
 
-/// Why this server does not answer now; null: it does.
+/// Why this server does not answer now; null: it answers.
 const char* Answering::why_not_answered(const wire::Query& query) const {
   if (static_cast<QuestionKind>(query.kind) == QuestionKind::hello || with_.place.whole_since_ns()) return nullptr;
   return "this replica's world was not found the primary's of late; the primary answers, "
@@ -130,7 +130,7 @@ const char* Answering::why_not_answered(const wire::Query& query) const {
 }
 
 void Answering::route(AskPointer ask, AskPointer* single) {
-  // With keys, who has proved nothing or is gone already has no rights and gets no answer.
+  // With keys, a sender that has proved nothing or is already gone has no rights and gets no answer.
   if (ask->from.rights == 0) {
     ++with_.counts.unanswerable;
     return pool_.put(std::move(ask));
@@ -189,14 +189,14 @@ void Answering::stop() {
   stops_by_ns_.store(steady_ns() + kStopPatienceNs);
   for (AskPointer& ask : with_.write_barriers.take_all()) refuse_later(std::move(ask), "the server is stopping");
   for (AskPointer& ask : with_.leases.take_waiting()) refuse_later(std::move(ask), "the server is stopping");
-  // Whoever is in the middle of a question that takes longer is told that the server stops.
+  // Clients in the middle of a longer question are notified that the server stops.
   std::promise<void> ended;
   std::thread patience([this, in_time = ended.get_future()] {
     const auto until = std::chrono::steady_clock::time_point(std::chrono::nanoseconds(stops_by_ns_.load()));
     if (in_time.wait_until(until) == std::future_status::timeout) clients_.call_off_all();
   });
   queue_.finish();
-  costly_.finish();  // only now: the workers hand on to it
+  costly_.finish();  // only now: the workers still pass asks to it
   ended.set_value();
   patience.join();
 }

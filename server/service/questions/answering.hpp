@@ -35,18 +35,18 @@ namespace collided::engine::service {
 struct AnsweringOptions {
   std::uint64_t server = 0;
   std::uint64_t epoch = 0;
-  unsigned threads = 1;                // that answer, at least 1; as many others, up to 8, answer costly questions
-  std::int64_t deadline_ns = 0;        // for questions that bring none, from when they are taken; 0: none
-  double error_m = 0;                  // accepted where a question names none; 0: exact
+  unsigned threads = 1;                // that answer, at least 1; as many again, up to 8, answer costly questions
+  std::int64_t deadline_ns = 0;        // for questions without one, counted from when they are taken; 0: none
+  double error_m = 0;                  // for questions without one; 0: exact
   std::function<bool()> recovering;    // true: after a crash the world may lack what publishers have not sent again
   const Overload* overload = nullptr;  // null: never overloaded
   FlightRecorder* flight = nullptr;    // records every question and reply; null: none
-  KeyedPeers* peers = nullptr;         // who may what; null: no keys
+  KeyedPeers* peers = nullptr;         // rights by key; null: no keys
 };
 
-/// The text of a refusal: {"error": ..., "hint": ...}, the hint only where it is not empty.
+/// The text of a refusal: {"error": ..., "hint": ...}, without the hint if it is empty.
 ///
-/// retry_after_ns  where asking again after this long may help: {"retry_after_ms": ...}
+/// retry_after_ns  if above 0, adds {"retry_after_ms": ...}: asking again after this long may help
 std::string refusal_text(const std::string& error, const std::string& hint = {}, std::int64_t retry_after_ns = 0);
 
 /// Takes questions from DDS, has workers answer them on snapshots, and writes the replies.
@@ -74,38 +74,37 @@ class Answering {
             Command command);
   ~Answering();
 
-  /// For the query reader's listener: takes, stamps and hands over. Answers the first short question itself, which
-  /// saves waking a worker and waiting for the work that the workers have at hand.
+  /// Called by the query reader's listener: takes, stamps and passes on. Answers the first short question itself, which
+  /// saves waking a worker and waiting for the workers' current tasks.
   void listen(const dds::Taker<wire::Query>& taker);
-  /// From now on questions stay with DDS, which makes the clients wait, until go_on(): while it is open whether this server
-  /// or another one answers them. Any thread.
+  /// Leaves questions with DDS, which makes the clients wait, until go_on(): used while it is undecided whether this
+  /// server or another one answers them. Any thread.
   void hold() { holds_.store(true); }
   /// Takes what was held. Any thread.
   void go_on();
   bool holds() const { return holds_.load(); }
   /// Queues a question that has passed its write barrier. A request in several chunks is admitted with its first one,
-  /// which waits for a state to be answered on; from then on none of them is refused for want of room. Any thread.
+  /// which waits for a state to be answered on; after that none of its chunks is refused for lack of room. Any thread.
   void admit(AskPointer ask);
   /// Queues the text of a command's answer, which is written in as many replies as it needs. Any thread.
   ///
   /// is_recorded  whether the flight recorder keeps the replies
   void send_text(std::uint64_t client, std::uint64_t request, wire_contract::ReplyStatus status, std::string text,
                  bool is_recorded = true);
-  /// Says for recordings that a client has gone, and what went with it: wire_contract::command::kClientGone. Any thread.
+  /// Records that a client has gone, and what was removed with it: wire_contract::command::kClientGone. Any thread.
   void send_farewell(std::uint64_t client) { queue_.push_own(Farewell{client}); }
-  /// To be called now and then, from one thread: refuses questions that waited too long at a barrier, expires leases,
-  /// forgets clients that are gone.
+  /// Call this regularly, from one thread: refuses questions that waited too long at a barrier, expires leases, forgets
+  /// clients that are gone.
   ///
-  /// query_owners  whom the numbers of clients that are there may belong to: see Ask::owner
+  /// query_owners  possible owners of the live clients' numbers: see Ask::owner
   void tick(std::vector<std::uint64_t> query_owners);
-  /// In the replies from now on. Any thread.
+  /// Sets the epoch of all further replies. Any thread.
   void set_epoch(std::uint64_t epoch) { epoch_.store(epoch, std::memory_order_relaxed); }
-  /// Answers what is queued, as far as that takes a second, refuses the rest and what waits at barriers, then ends the
+  /// Answers queued questions for up to a second, refuses the rest and those that wait at barriers, then ends the
   /// workers.
   void stop();
   std::size_t clients() const { return clients_.size(); }
-  /// Whether answers to this client may still be read by somebody: false once it has gone and tick() has noticed. Any
-  /// thread.
+  /// Whether answers to this client may still be read: false once it has gone and tick() has noticed. Any thread.
   bool knows(std::uint64_t client) const { return clients_.find(client) != nullptr; }
   PastStates& past_states() { return past_states_; }
   /// Whether the queue is more than half full, or refused something since the last call. One thread.
@@ -117,14 +116,14 @@ class Answering {
   static constexpr std::size_t kMostQueued = 4'096;
   static constexpr std::size_t kMostQueuedBytes = std::size_t{64} << 20;
   static constexpr std::int64_t kTurnNs = 10'000'000;  // of a chunk, while others wait
-  // One question may take so long on a thread that others wait for. A turn's last question may begin at the turn's end.
+  // Limit for one question on a thread that others wait for. A turn's last question may begin at the turn's end.
   static constexpr std::int64_t kQuestionNs = 2 * kTurnNs;
-  static constexpr std::int64_t kListeningNs = 500'000;  // likewise on the listener's thread
+  static constexpr std::int64_t kListeningNs = 500'000;  // limit for one question on the listener's thread
   static constexpr std::size_t kMostCostlyThreads =
       8;  // each keeps a state of the world, of which there are 16, for long
   static constexpr double kNsPerCostAtFirst = 500;
   static constexpr double kLeastPartNs = 200'000;  // work that is worth waking a thread and writing a reply of its own
-  static constexpr std::uint32_t kPartQuestions = 64;  // rays are looked up so many at a time
+  static constexpr std::uint32_t kPartQuestions = 64;  // rays are looked up in groups of this size
   static constexpr std::int64_t kStopPatienceNs = 1'000'000'000;
 
   struct TextReply {
@@ -143,8 +142,8 @@ class Answering {
   struct ExpireLeases {
     std::vector<std::uint64_t> query_owners;
   };
-  /// What waits for a worker: a question; a text to be written; a client that has gone; a place whose clients' asks may go on; leases to
-  /// expire.
+  /// What waits for a worker: a question, a text to be written, a client that has gone, a place whose clients' asks may
+  /// go on, or leases to expire.
   using Work = std::variant<AskPointer, TextReply, Farewell, Resume, ExpireLeases>;
   class Worker;
 
@@ -158,7 +157,7 @@ class Answering {
   void push_part(Ask& ask, std::uint32_t first);
   bool put_back(AskPointer& ask);
   bool put_among_costly(AskPointer& ask, std::int64_t took_ns, bool was_there);
-  /// Whether the server has been stopping for so long that what is left is refused.
+  /// Whether the time to answer the rest during the stop has passed; what is left is refused.
   bool is_over() const { return stopping_.load() && steady_ns() >= stops_by_ns_.load(); }
   static Share share_of(const Ask& ask);
   std::int64_t retry_after_ns();
@@ -179,17 +178,17 @@ class Answering {
   AskPool pool_;
   FairQueue<Work> queue_;
   FairQueue<AskPointer> costly_;      // asks with a question that took longer than kQuestionNs; costs in nanoseconds
-  std::uint64_t refused_before_ = 0;  // as of the last was_pressed()
+  std::uint64_t refused_before_ = 0;  // at the last was_pressed()
   Clients clients_;
   Participants participants_;                 // of the thread that takes
-  std::atomic<double> ns_per_cost_;           // of late; see cost_of()
+  std::atomic<double> ns_per_cost_;           // moving mean; see cost_of()
   std::atomic<std::uint32_t> takers_{0};      // threads that want to take; see take()
   std::array<AskPointer, 4> next_;            // of the thread that takes: mostly all that one call brings
   std::unique_ptr<Worker> listening_worker_;  // these three: used by the listener's thread alone
   AskPointer spare_;
   ShortQuestions short_questions_;
   std::atomic<dds_entity_t> left_in_reader_{
-      0};  // a reader with questions that were not taken for want of room or while held; 0: none
+      0};  // a reader with questions that were not taken for lack of room or while held; 0: none
   std::atomic<bool> holds_{false};
   std::atomic<bool> stopping_{false};
   std::atomic<std::int64_t> stops_by_ns_{std::numeric_limits<std::int64_t>::max()};  // steady clock

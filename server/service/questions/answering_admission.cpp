@@ -9,7 +9,7 @@
 #include "server/service/questions/answering.hpp"
 #include "server/service/runtime/clock.hpp"
 
-// Which questions Answering takes into its queue, and what it says to those that it does not take.
+// Decides which questions Answering takes into its queue, and how it answers those that it does not take.
 
 namespace collided::engine::service {
 
@@ -19,7 +19,7 @@ using wire_contract::QuestionKind;
 void Answering::admit(AskPointer ask) {
   const wire::Query& query = *ask->query;
   if (query.chunk_count <= 1 || query.chunk_index >= query.chunk_count) return enqueue(std::move(ask));
-  // What is refused is refused whole, before any work is done on it.
+  // A request is refused whole, before any work is done on it.
   if (query.chunk_index == 0) {
     if (leaves_out(query)) return refuse_as_left_out(std::move(ask));
     if (!queue_.has_room_for(share_of(*ask))) return refuse_for_now(std::move(ask));
@@ -31,7 +31,7 @@ void Answering::admit(AskPointer ask) {
       return refuse_later(std::move(ask),
                           "the state that this request is answered on is no longer kept: the first chunk comes first, "
                           "and others that wait for a state do so for 2 s at most while none of its chunks is here",
-                          retry_after_ns());  // asked anew, it gets another state
+                          retry_after_ns());  // a repeated request gets another state
     case SnapshotLeases::Taken::full: return refuse_for_now(std::move(ask));
   }
 }
@@ -47,8 +47,8 @@ Share Answering::share_of(const Ask& ask) {
           .is_begun = static_cast<bool>(ask.hold)};
 }
 
-/// Puts a question into the queue, or refuses it where its client has too much there already. Commands, hellos and
-/// questions of high importance may fill more of the queue than others (Share::is_kept).
+/// Queues a question, or refuses it if its client has too many there already. Commands, hellos and questions of high
+/// importance may fill more of the queue than others (Share::is_kept).
 void Answering::enqueue(AskPointer ask) {
   if (!ask->hold && leaves_out(*ask->query)) return refuse_as_left_out(std::move(ask));
   const Share share = share_of(*ask);
@@ -57,7 +57,7 @@ void Answering::enqueue(AskPointer ask) {
   refuse_for_now(std::move(std::get<AskPointer>(work)));
 }
 
-/// Puts back a chunk that has had its turn, for others that wait; false: none does.
+/// Puts back a chunk that has had its turn, so that waiting ones get theirs; false: none waits.
 bool Answering::put_back(AskPointer& ask) {
   if (stopping_.load()) return false;
   if (queue_.waiting() == 0 && !queue_.has_own()) return false;
@@ -70,14 +70,14 @@ bool Answering::put_back(AskPointer& ask) {
   return false;
 }
 
-/// Hands a chunk on to the threads for costly questions, or back to them where it was there; `took_ns` is its last turn.
-/// False: it goes on where it is, since none of its like waits, or what was begun finds no room there.
+/// Passes a chunk on to the threads for costly questions, or back to them if it was there; `took_ns` is its last turn.
+/// False: it continues here, since no other costly chunk waits, or there is no room for a chunk that has begun.
 bool Answering::put_among_costly(AskPointer& ask, std::int64_t took_ns, bool was_there) {
   if (stopping_.load() || (was_there && costly_.waiting() == 0)) return false;
   Share share = share_of(*ask);
   const bool is_begun = share.is_begun || ask->answered > 0;
   share.cost = static_cast<double>(std::max(took_ns, kTurnNs));
-  share.is_begun = was_there;  // it has its room there
+  share.is_begun = was_there;  // its room there is reserved
   if (costly_.push(share, ask)) return true;
   if (is_begun) return false;
   const double wait_ns = costly_.waiting_cost() / static_cast<double>(costly_.most_threads());
@@ -91,7 +91,7 @@ void Answering::refuse_as_left_out(AskPointer ask) {
   refuse_later(std::move(ask), "overloaded: questions of the low class are refused until the rest is dealt with");
 }
 
-/// Refuses for want of room, and says when there will be some.
+/// Refuses for lack of room, and estimates when there will be some.
 void Answering::refuse_for_now(AskPointer ask) {
   refuse_later(std::move(ask),
                fmt::format("there is no room for it now: {} requests of {:.1f} MB wait already", queue_.waiting(),
@@ -99,13 +99,13 @@ void Answering::refuse_for_now(AskPointer ask) {
                retry_after_ns());
 }
 
-/// A moving mean over some sixteen questions.
+/// A moving mean over about sixteen questions.
 void Answering::note_cost(double cost, std::int64_t took_ns) {
   const double before = ns_per_cost_.load(std::memory_order_relaxed);
   ns_per_cost_.store(before + (static_cast<double>(took_ns) / cost - before) / 16, std::memory_order_relaxed);
 }
 
-/// About how long the workers need for half of what waits.
+/// The estimated time in which the workers finish half of the queue.
 std::int64_t Answering::retry_after_ns() {
   constexpr double kLeastNs = 10e6;
   constexpr double kMostNs = 5e9;
@@ -114,7 +114,7 @@ std::int64_t Answering::retry_after_ns() {
   return static_cast<std::int64_t>(std::clamp(all_ns / threads / 2, kLeastNs, kMostNs));
 }
 
-/// Whether the overload refuses this question: only those of low importance are.
+/// Whether this question is refused because of overload: only those of low importance are.
 bool Answering::leaves_out(const wire::Query& query) const {
   return options_.overload != nullptr && options_.overload->refuses_low_questions() &&
          wire_contract::numbers_of(static_cast<QuestionKind>(query.kind)) > 0 &&
@@ -144,7 +144,7 @@ void Answering::refuse_later(AskPointer ask, std::string reason, std::int64_t re
   }
   ask->refusal = std::move(reason);
   ask->retry_after_ns = retry_after_ns;
-  // What was asked is not looked at any more, and thousands of refusals may wait.
+  // The questions are not needed any more, and thousands of refusals may wait.
   wire::clear_questions(*ask->query);
   dds::borrow(ask->query->blob, std::span<const std::uint8_t>());
   queue_.push_own(std::move(ask));

@@ -5,16 +5,17 @@
 #include "server/service/questions/answering.hpp"
 #include "server/service/runtime/clock.hpp"
 
-// How the questions of one chunk are spread over the threads that have nothing to do.
+// Spreads the questions of one chunk over the idle threads.
 namespace collided::engine::service {
 
 using wire_contract::QuestionKind;
 
 namespace {
 
-/// Twice as many as there are threads, since questions differ in what they cost: whoever is done first takes another.
+/// Twice as many as there are threads, since questions differ in cost: the thread that is done first takes another
+/// part.
 constexpr std::size_t kPartsAThread = 2;
-/// A shape that moves comes with every part.
+/// A moving shape is copied into every part.
 constexpr std::uint32_t kMostSharedBytes = 65'536;
 
 bool may_be_shared(const wire::Query& query) {
@@ -25,7 +26,7 @@ bool may_be_shared(const wire::Query& query) {
 
 }  // namespace
 
-/// In how many parts an ask with so many questions left is worth being answered; 1: it stays whole.
+/// Into how many parts an ask with this many questions left is worth splitting; 1: it stays whole.
 std::uint32_t Answering::parts_of(const Ask& ask, std::uint32_t left) {
   const std::size_t threads = 1 + (ask.is_costly ? costly_.idle() : queue_.idle());
   if (ask.is_costly) return static_cast<std::uint32_t>(std::min<std::size_t>(threads, left));
@@ -35,9 +36,9 @@ std::uint32_t Answering::parts_of(const Ask& ask, std::uint32_t left) {
   return static_cast<std::uint32_t>(std::clamp(worth, 1.0, static_cast<double>(std::max<std::size_t>(1, most))));
 }
 
-/// Splits questions off the end of an ask, for threads that wait for work: those that come free take them one part after
-/// the other, as from one list. Each part is answered on the same state and has replies of its own, so the answers are the
-/// same however many threads there are.
+/// Splits questions off the end of an ask for idle threads, which take one part after the other, as from one list. Each
+/// part is answered on the same state and has replies of its own, so the answers do not depend on the number of
+/// threads.
 ///
 /// source  self-scheduling: Tang, Yew, "Processor self-scheduling for multiple-nested parallel loops", 1986
 void Answering::share(Ask& ask) {
@@ -49,7 +50,7 @@ void Answering::share(Ask& ask) {
   const auto left = static_cast<std::uint32_t>(count - ask.answered);
   std::uint32_t parts = parts_of(ask, left);
   if (parts < 2 || why_refused(*ask.query)) return;
-  // Of an instant the state is looked up with the first turn.
+  // The state of a past instant is looked up in the first turn.
   if (ask.query->instant != 0 && !ask.past) return;
   if (!ask.past && !ask.hold && !with_.leases.keep(ask, with_.world.newest(), steady_ns())) return;
   const std::uint32_t group = ask.is_costly ? 1 : kPartQuestions;
@@ -58,8 +59,8 @@ void Answering::share(Ask& ask) {
     push_part(ask, static_cast<std::uint32_t>(ask.answered) + rest);
 }
 
-/// Hands the questions from number `first` on to another thread. It is the client's turn that is spread, so nothing more is
-/// counted for it.
+/// Passes the questions from number `first` on to another thread. They belong to the client's current turn, so nothing
+/// more is counted for it.
 void Answering::push_part(Ask& ask, std::uint32_t first) {
   AskPointer part = pool_.get();
   wire::split_questions(*ask.query, first, *part->query);
@@ -73,7 +74,7 @@ void Answering::push_part(Ask& ask, std::uint32_t first) {
   if (ask.hold) part->hold = with_.leases.share(ask.hold);
   Share share = share_of(*part);
   share.cost = 1;
-  share.is_begun = true;  // so that it is taken
+  share.is_begun = true;  // so that it is accepted
   if (part->is_costly) return static_cast<void>(costly_.push(share, part));
   Work work(std::move(part));
   static_cast<void>(queue_.push(share, work));

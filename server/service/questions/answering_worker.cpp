@@ -29,7 +29,7 @@ wire_contract::AskedInstant instant_of(const wire::Query& query) {
 
 void Answering::Worker::run() {
   pthread_setname_np(pthread_self(), "answer");
-  // Short single questions are answered on the listener's thread; what comes here takes long or can wait.
+  // Short single questions are answered on the listener's thread; those that arrive here take long or can wait.
   set_time_slice(kLongSlice);
   while (std::optional<Work> item = owner_.queue_.pop()) {
     try {
@@ -93,7 +93,7 @@ bool Answering::Worker::answer(Client& client, Ask& ask) {
   try {
     answer_or_throw(client, ask);
   } catch (const std::bad_alloc&) {
-    // All that was allocated belongs to this question alone, so nothing is left half changed.
+    // All memory allocated so far belongs to this question alone, so nothing is left half changed.
     ++owner_.with_.counts.refused;
     is_paused_ = false;
     write_text(client, ask.query->request, ReplyStatus::refused, out_of_memory_);
@@ -120,7 +120,7 @@ void Answering::Worker::answer_or_throw(Client& client, Ask& ask) {
   }
 }
 
-/// The shape that moves comes from outside, with the questions, so it is checked here.
+/// The moving shape comes from the client with the questions, so it is checked here.
 void Answering::Worker::answer_sweeps(Client& client, Ask& ask) {
   const wire::Query& query = *ask.query;
   const DecodedShape decoded = decode_shape(std::as_bytes(dds::view(query.blob)));
@@ -175,7 +175,7 @@ std::int64_t Answering::Worker::deadline_of(const Ask& ask) const {
   return allowed_ns > 0 ? ask.taken_ns + std::min(allowed_ns, std::int64_t{1} << 60) : 0;
 }
 
-/// Whether answers_ lacks some of as many answers. What was called off has none: they were cut short.
+/// Whether answers_ has fewer than `count` answers. A question that was called off has none: they were cut short.
 bool Answering::Worker::is_unfinished(const Client& client, std::size_t count) {
   if (client.called_off().load()) answers_.reset(0);
   return answers_.answers.size() < count;
@@ -189,7 +189,7 @@ SearchTime Answering::Worker::time_for(const Client& client, const Ask& ask) con
           .called_off = &client.called_off()};
 }
 
-/// Objects thought elsewhere. Every chunk of a request names them anew, and all are answered on one state.
+/// What-if configurations. Every chunk of a request repeats the moved objects, and all are answered on one state.
 void Answering::Worker::answer_configurations(Client& client, Ask& ask) {
   const wire::Query& query = *ask.query;
   const auto refuse = [&](const std::string& reason) {
@@ -206,7 +206,7 @@ void Answering::Worker::answer_configurations(Client& client, Ask& ask) {
   WhatIf what_if(state, std::get<WhatIfAsk>(asked), owner_.with_.part_meshes);
   const std::span<const double> rows = rows_left(ask);
   const std::size_t left = rows.size() / (what_if.moved_count() * kPoseNumbers);
-  // What begins each turn is to take a small part of it.
+  // The set-up at the start of a turn should take a small part of it.
   const std::int64_t now_ns = steady_ns();
   const std::int64_t turn_ns = std::max(kTurnNs, 8 * (now_ns - began_ns));
   const bool may_pause = left > 1 && (ask.past || ask.hold || owner_.with_.leases.keep(ask, *lease, now_ns));
@@ -263,12 +263,13 @@ void Answering::Worker::answer_questions(Client& client, Ask& ask, const ObjectI
     owner_.with_.counts.filters_dropped += dropped;
   is_paused_ = is_unfinished(client, left);
   if (is_paused_ && answers_.answers.empty()) return;
-  // Objects may be missing until their publishers are back. A hit is real all the same, and enough where any hit will
-  // do; every other answer may still change.
+  // Objects may be missing until their publishers are back. A hit is real all the same, and enough if any hit will do;
+  // every other answer may still change.
   if (owner_.options_.recovering()) doubt(questions);
   doubt_where_not_held(state, questions, answers_);
   write_answers(client, ask, state);
-  // The audit has no brute force for sweeps, looks at newest states, and an overloaded server leaves it and samples out.
+  // The audit has no brute force for sweeps, and only reads the newest states. An overloaded server skips audit and
+  // samples.
   const bool is_overloaded = owner_.options_.overload != nullptr && owner_.options_.overload->leaves_out_details();
   questions.numbers = rows.first(answers_.answers.size() * engine::numbers_of(questions.kind));
   if (mover == nullptr && !ask.past && !is_overloaded) owner_.with_.audit.consider(lease, questions, answers_);
@@ -277,9 +278,9 @@ void Answering::Worker::answer_questions(Client& client, Ask& ask, const ObjectI
   ask.answered += answers_.answers.size();
 }
 
-/// Looks up the state of the instant that is asked about, if one is, for all turns that the ask will have.
+/// Looks up the state of the past instant, if the ask has one, for all its turns.
 ///
-/// returns  false: there is none, and that is answered
+/// returns  false: there is none, and the reply says so
 bool Answering::Worker::find_past(Client& client, Ask& ask, const Snapshot& newest) {
   if (ask.query->instant == 0 || ask.past) return true;
   auto past = owner_.past_states_.at(instant_of(*ask.query), newest);
@@ -331,7 +332,7 @@ void Answering::Worker::write_answers(Client& client, const Ask& ask, const Snap
     wire::lend(columns_, *reply_);
     reply_->first_question = query.first_question + static_cast<std::uint32_t>(ask.answered + filler.first());
     reply_->compute_ns = steady_ns() - ask.taken_ns;
-    // Counted before the reply leaves, so that a client which has it and then asks for the counts finds it in them.
+    // Counted before the reply leaves: a client that has the reply and then asks for the counts finds it in them.
     if (filler.is_done()) count_answered(ask, filler.undecided());
     send(client);
   }

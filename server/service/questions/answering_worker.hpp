@@ -14,19 +14,19 @@
 
 namespace collided::engine::service {
 
-/// What one thread does to answer, and the memory that it uses again for each answer.
+/// Answers on one thread, and reuses its memory from answer to answer.
 class Answering::Worker {
  public:
-  /// patience_ns  how long it has for one question, before that is left to the threads for costly ones; 0: it is one of these
+  /// patience_ns  time for one question before it is passed to the threads for costly ones; 0: this is one of these
   Worker(Answering& owner, std::int64_t patience_ns) : owner_(owner), patience_ns_(patience_ns) {
     reply_->server = owner.options_.server;
-    text_.reserve(out_of_memory_.size());  // so that refusing for want of memory needs none
+    text_.reserve(out_of_memory_.size());  // so that a refusal for lack of memory needs none
   }
-  /// Works off what waits, until the queue is closed and empty.
+  /// Processes the queue until it is closed and empty.
   void run();
   void run_costly();
-  /// Answers, or answers the next questions of a chunk that takes longer than its turn; none where the first of them takes
-  /// longer than this worker has, or nobody waits for the answer any more.
+  /// Answers, or answers the next questions of a chunk that takes longer than its turn. Answers none if the first one
+  /// takes longer than this worker has, or if no client waits for the answer any more.
   ///
   /// returns  whether all of it is answered now
   bool answer(Client& client, Ask& ask);
@@ -63,8 +63,8 @@ class Answering::Worker {
   const std::string out_of_memory_ = refusal_text("not enough memory for the answer", "ask for less at a time");
   Answers answers_;
   QueryScratch scratch_;
-  std::vector<double> numbers_;  // of the questions at hand, a row each
-  bool is_paused_ = false;       // the ask at hand has questions left
+  std::vector<double> numbers_;  // of the current questions, a row each
+  bool is_paused_ = false;       // the current ask has questions left
   std::vector<std::uint64_t> named_in_;
   std::uint64_t reply_number_ = 0;
 };

@@ -95,7 +95,7 @@ void AskPool::put(AskPointer ask) {
 bool is_single(const wire::Query& query) { return query.chunk_count == 1 && wire::question_count(query) == 1U; }
 
 /// The weights follow the table of times in the guide to accuracy (deploy/docs), where a ray takes 0.3 us; a nearest
-/// point and a time of contact are of another order.
+/// point and a time of contact cost an order of magnitude more.
 double cost_of(const wire::Query& query) {
   const auto kind = static_cast<QuestionKind>(query.kind);
   const double questions = std::max(1U, wire::question_count(query).value_or(1));

@@ -30,7 +30,7 @@ void BackgroundAudit::consider(const SnapshotRing::Lease& state, const Questions
   if (every_ == 0) return;
   const std::uint64_t count = given.answers.size();
   const std::uint64_t first = considered_.fetch_add(count, std::memory_order_relaxed);
-  // The first answer of all is chosen, then one in every `every_`.
+  // The very first answer is chosen, then one in every `every_`.
   std::uint64_t next = (every_ - first % every_) % every_;
   if (next >= count) return;
   std::size_t hit = 0;
@@ -72,7 +72,7 @@ void BackgroundAudit::choose(const SnapshotRing::Lease& state, const Questions& 
   arrived_.notify_one();
 }
 
-/// The state, kept alive once for all its answers that wait; null where kMostStates others are kept already.
+/// Returns the state, kept alive once for all its waiting answers; null if kMostStates others are kept already.
 std::shared_ptr<const BackgroundAudit::Pinned> BackgroundAudit::pin(const SnapshotRing::Lease& state) {
   std::erase_if(pinned_, [](const auto& held) { return held.expired(); });
   for (const auto& held : pinned_) {
@@ -102,7 +102,7 @@ void BackgroundAudit::run() {
 
 void BackgroundAudit::work_out(const Item& item) {
   const std::string difference = audit(*item.state->lease, item.question, item.given);
-  // Before it counts as audited: once the counts have reached a number, all opinions up to it are in.
+  // Before it counts as audited: once the counts have reached a number, all opinions up to it are included.
   if (asks_fcl_) ask_fcl(item);
   {
     const std::lock_guard lock(mutex_);

@@ -19,21 +19,21 @@ namespace collided::engine::service {
 /// What the audit has found so far.
 struct AuditCounts {
   std::uint64_t chosen = 0;     // answers chosen for the audit
-  std::uint64_t audited = 0;    // of them, worked out again
-  std::uint64_t differing = 0;  // of those, not the same as the answer given
-  std::uint64_t skipped = 0;    // chosen, but too much waited already
-  OpinionCounts opinion = {};   // FCL's opinions of the audited, where it is asked
+  std::uint64_t audited = 0;    // recomputed
+  std::uint64_t differing = 0;  // of the audited, not the same as the answer given
+  std::uint64_t skipped = 0;    // chosen, but too many waited already
+  OpinionCounts opinion = {};   // FCL's opinions of the audited, if enabled
 };
 
-/// Works out one answer in so many again, exactly and without an index, on a thread of its own, after the reply has
+/// Recomputes one answer in every `every`, exactly and without an index, on a thread of its own, after the reply has
 /// left.
 ///
 /// threads  workers call consider(); any may read counts() and differences()
 class BackgroundAudit {
  public:
-  /// every     one answer in so many; 0: none, and no thread
+  /// every     one answer in this many; 0: none, and no thread
   /// notice    called from the auditing thread with each of the first differences
-  /// asks_fcl  FCL is asked about every chosen answer too, each time in a process of its own
+  /// asks_fcl  FCL checks every chosen answer too, each time in a process of its own
   BackgroundAudit(std::uint64_t every, std::function<void(const std::string&)> notice, bool asks_fcl = false);
   ~BackgroundAudit();
 
@@ -45,11 +45,11 @@ class BackgroundAudit {
   AuditCounts counts() const;
   /// The first differences, as sentences.
   std::vector<std::string> differences() const;
-  /// Ends the thread; what waits is not audited.
+  /// Ends the thread; waiting answers are not audited.
   void stop();
 
  private:
-  /// States that the audit keeps alive at once: the world's writer needs the others of its ring.
+  /// States that the audit keeps alive at once: the world's writer needs the rest of its ring.
   static constexpr std::size_t kMostStates = 4;
   static constexpr std::size_t kMostWaiting = 4'096;
   static constexpr std::size_t kMostReported = 16;
@@ -58,7 +58,7 @@ class BackgroundAudit {
     std::uint64_t version = 0;
     SnapshotRing::Lease lease;
   };
-  /// One answer to be audited, with copies of all that its question points to.
+  /// One answer to be audited, with copies of everything its question points to.
   struct Item {
     std::shared_ptr<const Pinned> state;
     Questions question;

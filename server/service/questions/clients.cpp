@@ -45,7 +45,7 @@ std::shared_ptr<Client> Clients::meet(std::uint64_t id, std::uint64_t asker, std
   return client;
 }
 
-/// With mutex_ held. The last places are for processes with few clients, so that others do not shut them out.
+/// With mutex_ held. The last places are reserved for processes with few clients, so that others cannot shut them out.
 bool Clients::has_place_for(std::uint64_t asker, std::uint64_t participant) const {
   std::size_t of_asker = 0, of_participant = 0;
   for (const auto& [id, client] : clients_) {
@@ -67,7 +67,7 @@ void Clients::open(std::uint32_t number) {
   place.writer_.emplace(topic_,
                         dds::WriterOptions{.partition = wire_contract::reply_partition(number), .matched = matched});
   place.open_.store(true, std::memory_order_release);
-  // A match that came before open_ was set found no place ready; asks held since would wait for ever.
+  // A match before open_ was set found no place ready; asks held since then would wait for ever.
   if (place.listening_.load()) listening_(number);
 }
 
@@ -82,7 +82,7 @@ std::shared_ptr<Client> Clients::departed(std::uint64_t id) {
 }
 
 Client* Clients::find_ready(std::uint64_t id, std::uint64_t asker) {
-  // The listener keeps clients without a lock; once any was forgotten, it looks all of them up again.
+  // The listener caches clients without a lock; once any was forgotten, it looks all of them up again.
   const std::uint64_t departures = departures_.load(std::memory_order_acquire);
   if (departures != std::exchange(recent_departures_, departures)) recent_.fill(nullptr);
   std::shared_ptr<Client>& place = recent_[id % kRecent];
@@ -138,7 +138,7 @@ std::vector<AskPointer> Clients::forget_gone(std::span<const std::uint64_t> owne
   std::erase_if(clients_, [&](const auto& entry) {
     Client& client = *entry.second;
     const std::lock_guard client_lock(client.mutex_);
-    // Asks that waited too long are handed back even if their client stays.
+    // Asks that waited too long are returned even if their client stays.
     const auto late = std::stable_partition(client.waiting_.begin(), client.waiting_.end(), [&](const AskPointer& ask) {
       return now_ns - ask->taken_ns <= kMatchPatienceNs;
     });

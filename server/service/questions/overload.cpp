@@ -5,7 +5,7 @@ namespace collided::engine::service {
 void Overload::note(bool poses, bool questions) {
   const Stage before = stage();
   Stage stage = before;
-  // A stage more with each call under pressure, a stage less after kCalmTicks calls without.
+  // One stage up with each call under pressure, one stage down after kCalmTicks calls without.
   if (poses || questions) {
     calm_ticks_ = 0;
     if (stage != Stage::low_questions) stage = static_cast<Stage>(static_cast<int>(stage) + 1);

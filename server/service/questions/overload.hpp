@@ -7,10 +7,10 @@
 
 namespace collided::engine::service {
 
-/// Decides what is left out while more comes in than can be dealt with. The inbox merges superseded poses first, always
-/// and on its own. Where that is not enough, details are left out: contacts that go on are not reported again, and
-/// answers are not audited. Where that is not enough either, questions of low importance are refused. Never left out:
-/// removals, ends of contacts, signs of life, commands, an object's newest pose, questions of high importance.
+/// Decides what is left out while more comes in than the server can process. The inbox merges superseded poses first,
+/// always and on its own. If that is not enough, details are left out: ongoing contacts are not reported again, and
+/// answers are not audited. Then questions of low importance are refused. Never left out: removals, ends of contacts,
+/// signs of life, commands, an object's newest pose, questions of high importance.
 ///
 /// threads  note() one; the rest any
 class Overload {
@@ -21,7 +21,7 @@ class Overload {
   /// notice  takes a sentence for the log
   explicit Overload(std::function<void(const std::string&)> notice) : notice_(std::move(notice)) {}
 
-  /// To be called ten times a second.
+  /// Call this ten times a second.
   ///
   /// poses      some were superseded since the last call
   /// questions  too many wait, or some were refused

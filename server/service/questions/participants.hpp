@@ -11,24 +11,24 @@
 
 namespace collided::engine::service {
 
-/// Who may be behind a query writer, and what may come from it.
+/// The process behind a query writer, and its rights.
 struct QuerySender {
-  std::uint64_t participant = 0;          // 0: it is gone already, and so nothing is known of it
+  std::uint64_t participant = 0;          // 0: it is already gone, and so unknown
   std::shared_ptr<const KeyedPeer> peer;  // null: the server has no keys, or the peer has proved nothing
   std::uint8_t rights = 0;                // bits by QueryRight
 
   bool has(wire_contract::QueryRight right) const { return ((rights >> static_cast<unsigned>(right)) & 1U) != 0; }
 };
 
-/// The participants behind query writers. Asking DDS takes a lock and memory, so those of late are kept.
+/// The participants behind query writers. Asking DDS takes a lock and memory, so recent ones are cached.
 ///
 /// threads  one at a time
 class Participants {
  public:
-  /// peers  null: the server has no keys, and everybody may everything
+  /// peers  null: the server has no keys, and every client has all rights
   explicit Participants(KeyedPeers* peers = nullptr) : peers_(peers) {}
 
-  /// Who is behind a writer that `reader` is matched with. Valid until the next call.
+  /// The sender behind a writer that `reader` is matched with. Valid until the next call.
   const QuerySender& of(dds_entity_t reader, std::uint64_t writer) {
     Known& known = known_[writer % known_.size()];
     if (known.writer != writer || known.asker.participant == 0) known = {writer, look_up(reader, writer)};
@@ -50,7 +50,7 @@ class Participants {
     return asker;
   }
 
-  /// DDS has let the writer into this partition only by the right of that name. Whoever may send anything may greet.
+  /// DDS has let the writer into this partition only by the right of that name. A sender with any right may greet.
   static std::uint8_t rights_in(const std::string& partition) {
     for (const wire_contract::QueryRight right : wire_contract::kQueryRights) {
       if (partition == wire_contract::name_of(right))

@@ -25,8 +25,8 @@ std::variant<std::shared_ptr<const Snapshot>, std::string> PastStates::at(const 
   const std::int64_t time_ns = time_of(instant, newest);
   if (const auto whole_since_ns = place_.whole_since_ns(); !whole_since_ns || time_ns < *whole_since_ns)
     return "at that instant this replica did not surely hold the primary's world; the primary may know";
-  // Making a state takes long. The lock is held for it, so that another question about the same instant waits for this
-  // state instead of making its own.
+  // Making a state takes long. The lock is held meanwhile, so that another question about the same instant waits for
+  // this state instead of making its own.
   const std::lock_guard lock(mutex_);
   for (const Kept& kept : kept_) {
     if (kept.state && kept.time_ns == time_ns && kept.version == newest.version) return kept.state;

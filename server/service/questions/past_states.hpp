@@ -20,11 +20,11 @@ namespace collided::engine::service {
 /// threads  any
 class PastStates {
  public:
-  /// place  since when this server's states hold all that they should
+  /// place  since when this server's states are complete
   PastStates(const World& world, const Place& place) : world_(world), place_(place) {}
 
   /// instant  of any kind but `latest`
-  /// newest   what relative instants count from, and what identifies the state for the chunks of one request
+  /// newest   the origin of relative instants; also identifies the state for the chunks of one request
   /// returns  the state, or a sentence why there is none
   std::variant<std::shared_ptr<const Snapshot>, std::string> at(const wire_contract::AskedInstant& instant,
                                                                 const Snapshot& newest);

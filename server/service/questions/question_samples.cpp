@@ -48,7 +48,7 @@ std::vector<SampledQuestion> QuestionSamples::read(std::uint64_t since, std::uin
   if (next_ns_.load(std::memory_order_relaxed) == kNever) next_ns_.store(now_ns, std::memory_order_relaxed);
   std::vector<SampledQuestion> samples;
   const std::uint64_t oldest = count_ > kKept ? count_ - kKept : 0;
-  if (since > count_) since = 0;  // as another server counted, before a restart
+  if (since > count_) since = 0;  // counted by another server, before a restart
   for (std::uint64_t number = std::max(since, oldest); number < count_; ++number) {
     const SampledQuestion& sample = (*kept_)[number % kKept];
     if (sample.client != reader) samples.push_back(sample);

@@ -41,7 +41,7 @@ std::string_view ReplyFiller::name_of(ObjectId id) const {
   return info ? std::string_view(info->name) : std::string_view();
 }
 
-/// Bytes that the hit adds to this reply, with its object's name where the reply does not name it yet.
+/// Bytes that the hit adds to this reply, with its object's name if the reply does not have it yet.
 std::size_t ReplyFiller::bytes_of(const AnswerHit& hit) {
   const std::uint32_t slot = slot_of(hit.object);
   const bool named = slot < named_in_.size() && named_in_[slot] == reply_number_;
@@ -52,7 +52,7 @@ bool ReplyFiller::leaves_covered() const {
   return not_covered_ < answers_.not_covered.size() && answers_.not_covered[not_covered_].question == question_;
 }
 
-/// Says where the question leaves the covered space, if it does. An answer that is cut has another reason.
+/// Records where the question leaves the covered space, if it does. A truncated answer has another reason.
 void ReplyFiller::add_not_covered(bool is_cut, ReplyColumns& columns) {
   if (!leaves_covered()) return;
   const NotCovered& entry = answers_.not_covered[not_covered_++];
@@ -90,7 +90,7 @@ void ReplyFiller::add_hit(std::size_t index, ReplyColumns& columns) {
   put(columns.point_errors, hit.point_error_m);
 }
 
-/// False: this question has no room beside those before it and starts the next reply.
+/// False: the reply has no room for this question, which starts the next one.
 bool ReplyFiller::add_question(ReplyColumns& columns) {
   const std::size_t hit_count = answers_.hit_counts[question_];
   // An upper bound: a name that repeats within the question is counted each time.

@@ -14,7 +14,7 @@ namespace collided::engine::service {
 using wire::ReplyColumns;
 
 /// Fills replies from a chunk's answers, as many as its hits need: a reply stays within kMaxHitsPerChunk and
-/// kMaxMessageBytes. Hits that even a reply of their own has no room for are left out, and that answer becomes
+/// kMaxMessageBytes. Hits that do not fit even into a reply of their own are left out, and that answer becomes
 /// undecided (truncated).
 ///
 ///   ReplyFiller filler(snapshot, answers);

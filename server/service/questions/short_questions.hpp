@@ -12,9 +12,9 @@ namespace collided::engine::service {
 /// threads  one
 class ShortQuestions {
  public:
-  /// A single ray, sphere, box or nearest point of the newest state, while none of them took long of late.
+  /// A single ray, sphere, box or nearest point of the newest state, unless recent ones took long.
   bool is_short(const wire::Query& query, std::int64_t now_ns) const;
-  /// To be called after each answer; steady clock.
+  /// Call this after each answer; steady clock.
   void took(std::int64_t started_ns, std::int64_t ended_ns);
 
  private:

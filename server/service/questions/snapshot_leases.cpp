@@ -39,7 +39,7 @@ std::size_t SnapshotLeases::states() const {
   return count;
 }
 
-/// The newest state, or where too many are pinned the youngest of these if it will do; nothing where it will not.
+/// The newest state, or if too many are pinned the youngest of these if it is new enough; else nothing.
 SnapshotRing::Lease SnapshotLeases::state_for(std::uint64_t least_version, std::int64_t now_ns) const {
   SnapshotRing::Lease newest = world_.newest();
   const Entry* youngest = nullptr;
@@ -75,11 +75,11 @@ SnapshotLeases::Taken SnapshotLeases::take(std::unique_ptr<Ask>& ask, std::uint6
   if (entry == entries_.end()) {
     if (query.chunk_index != 0) return Taken::gone;
     if (entries_.size() >= kMostRequests) return Taken::full;
-    // Those that wait already come first.
+    // Chunks that wait already come first.
     const bool may_pin = waiting_.empty();
     Entry made{.key = key, .chunks_left = query.chunk_count, .least_version = least_version, .pinned_ns = now_ns};
     if (may_pin) made.state = state_for(least_version, now_ns);
-    // Of a request some chunks are under way at a time, so its first may take no more than its part of the room.
+    // Several chunks of a request are in flight at once, so its first may use only its share of the room.
     constexpr std::size_t kMostFirstBytes = kMostWaitingBytes / wire_contract::kChunksInFlight;
     if (!made.state && !has_room_for(bytes, kMostFirstBytes)) return Taken::full;
     entry = entries_.insert(entries_.end(), std::move(made));
@@ -117,7 +117,7 @@ SnapshotLeases::Hold SnapshotLeases::share(const Hold& hold) {
   Hold shared;
   const std::lock_guard lock(mutex_);
   const auto entry = find(hold.key_);
-  // It is there for as long as any chunk of its request is at hand.
+  // The entry exists as long as any chunk of its request is at hand.
   ++entry->at_hand;
   ++entry->chunks_left;
   shared.book_ = this;
@@ -144,7 +144,7 @@ void SnapshotLeases::done(const std::pair<std::uint64_t, std::uint64_t>& key) {
   hand_out(now_ns);
 }
 
-/// The oldest chunk whose request has a state, or for which there is one now; null where none has.
+/// The oldest chunk whose request has a state, or for which there is one now; null if there is none.
 std::unique_ptr<Ask> SnapshotLeases::next_ready(std::int64_t now_ns) {
   const std::lock_guard lock(mutex_);
   for (auto at = waiting_.begin(); at != waiting_.end(); ++at) {

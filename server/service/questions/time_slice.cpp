@@ -26,7 +26,7 @@ static_assert(sizeof(SchedulingAttributes) == 48);
 }  // namespace
 
 bool set_time_slice(std::chrono::nanoseconds turn) {
-  // Another policy was chosen on purpose, from outside of this program; it stays.
+  // Another policy was set from outside of this program on purpose; it stays.
   if (sched_getscheduler(0) != SCHED_OTHER) return false;
   SchedulingAttributes attributes;
   attributes.runtime_ns = static_cast<std::uint64_t>(turn.count());

@@ -6,14 +6,14 @@ namespace collided::engine::service {
 
 /// For threads that others wait for: those that read, and the world's.
 inline constexpr std::chrono::nanoseconds kShortSlice = std::chrono::microseconds(100);
-/// For threads that work off batches; a thread with a shorter slice goes before them.
+/// For threads that process batches; a thread with a shorter slice goes before them.
 inline constexpr std::chrono::nanoseconds kLongSlice = std::chrono::milliseconds(20);
 
-/// For threads that work off what takes longest; within what the kernel accepts.
+/// For threads with the longest tasks; within what the kernel accepts.
 inline constexpr std::chrono::nanoseconds kLongestSlice = std::chrono::milliseconds(100);
 
-/// Asks the kernel to run this thread, and those that it starts from then on, in slices of this length where processors
-/// are short. A thread with a shorter slice than the one that runs need not wait for that one's end (EEVDF; Linux 6.12
+/// Asks the kernel to run this thread, and those that it starts from then on, in slices of this length while processors
+/// are short. A thread with a shorter slice than the running one need not wait for that one's end (EEVDF; Linux 6.12
 /// and later, earlier ones ignore it). The share of time of each thread stays the same.
 ///
 /// turn     0.1 to 100 ms

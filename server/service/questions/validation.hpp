@@ -11,14 +11,14 @@
 
 namespace collided::engine::service {
 
-/// A pose from seven numbers of outside: x y z in m, then the quaternion w x y z. All must be finite, and the norm 1
+/// A pose from seven untrusted numbers: x y z in m, then the quaternion w x y z. All must be finite, and the norm 1
 /// within kUnitQuaternionSlack; the quaternion stays as it is, and stands for v -> q v q* / |q|^2.
 std::variant<Pose, Refusal> checked_pose(std::span<const double> numbers);
 
 /// The same without a reason, from kPoseNumbers numbers. False leaves `pose` as it was. No allocation.
 bool read_pose(const double* numbers, Pose& pose);
 
-/// Whether a name from outside is 1 to 255 bytes of UTF-8 without control characters: names go into JSON and onto
+/// Whether an untrusted name is 1 to 255 bytes of UTF-8 without control characters: names go into JSON and onto
 /// terminals.
 bool is_good_name(std::string_view name);
 

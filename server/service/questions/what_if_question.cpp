@@ -19,7 +19,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Reads one chunk's question. Every step throws the Refusal where it cannot go on.
+/// Reads one chunk's question. Every step throws a Refusal if it cannot go on.
 class WhatIfReader {
  public:
   WhatIfReader(const wire::Query& query, const Snapshot& state) : query_(query), state_(state) {
@@ -69,7 +69,7 @@ class WhatIfReader {
     refuse(unknown_object(name, names));
   }
 
-  /// An object that goes somewhere in thought, each once.
+  /// Finds an object that the question moves; each may be named once.
   const ObjectInfo& find_free(std::string_view name) {
     const ObjectInfo& info = find(name);
     if (info.scene_part != kNoScenePart)
@@ -81,7 +81,7 @@ class WhatIfReader {
 
   void take_moved(std::string_view name) { ask_.moved.push_back(find_free(name).id); }
 
-  /// The wire has them in any order; the engine wants each after what it is attached to.
+  /// The wire has them in any order; the engine needs each after its parent.
   void read_attached() {
     struct Named {
       std::string child;
@@ -105,7 +105,7 @@ class WhatIfReader {
     }
   }
 
-  /// What is attached in the world goes along too, unless the question says where it goes.
+  /// Objects attached in the world move along too, unless the question places them.
   void add_attached_in_world() {
     if (!state_.parents) return;
     for (bool has_new = true; has_new;) {
@@ -113,7 +113,7 @@ class WhatIfReader {
       for (const auto& [child, parent] : *state_.parents) {
         const ObjectInfo* const there =
             slot_of(child) < state_.objects.size() ? state_.objects[slot_of(child)].get() : nullptr;
-        if (there == nullptr || there->id != child) continue;  // not yet, at a past instant
+        if (there == nullptr || there->id != child) continue;  // not yet attached at that past instant
         if (!goes_.contains(parent) || !goes_.insert(child).second) continue;
         ask_.attached.push_back({.child = child, .parent = parent});
         has_new = true;
@@ -137,7 +137,7 @@ class WhatIfReader {
     if (ask_.against.empty() && goes_.size() == 1) refuse("there is nothing that the object could touch");
   }
 
-  /// What is skipped counts for nothing, also where it is moved or goes along.
+  /// Skipped objects are ignored, even if they are moved or move along.
   void leave_out() {
     const std::string skip = query_.skip;
     if (skip.empty()) return;
@@ -153,7 +153,7 @@ class WhatIfReader {
   json arguments_;
   WhatIfAsk ask_;
   std::unordered_map<std::string_view, const ObjectInfo*> by_name_;
-  std::unordered_set<ObjectId> goes_;  // moved, or attached to what is
+  std::unordered_set<ObjectId> goes_;  // moved, or attached to a moved one
 };
 
 AnswerHit hit_of(const MemberPair& pair, bool second) {

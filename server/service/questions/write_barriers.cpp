@@ -19,7 +19,7 @@ WriteBarriers::Outcome WriteBarriers::pass(AskPointer& ask) {
   return Outcome::parked;
 }
 
-/// The last places are for processes with few questions that wait, so that others do not have theirs refused.
+/// The last places are reserved for processes with few waiting questions, so that others cannot take them all.
 bool WriteBarriers::has_room_for(std::uint64_t participant) const {
   const auto own = static_cast<std::size_t>(
       std::ranges::count_if(waiting_, [&](const AskPointer& ask) { return ask->from.participant == participant; }));
