@@ -14,7 +14,7 @@
 namespace collided::engine::service {
 namespace {
 
-// Entries that are no commands.
+// Entries that are not commands.
 constexpr std::string_view kPublisher = "publisher/";
 constexpr std::string_view kCovers = "covers";
 constexpr std::string_view kLoss = "loss/";
@@ -27,7 +27,7 @@ std::string this_layout() {
   return std::string(number.substr(0, number.size() - 1));
 }
 
-/// How much a journal keeps of each kind, such as "2 scenes, 1 probes"; empty: nothing that commands brought in.
+/// How much a journal keeps of each kind, such as "2 scenes, 1 probes"; empty: nothing added by commands.
 std::string counts_of(const Journal& journal) {
   constexpr std::string_view kWords[] = {"removed scenes",  "scenes",      "removed parts", "objects",
                                          "moves in scenes", "moves",       "probes",        "standing questions",
@@ -63,7 +63,7 @@ DurableState::DurableState(std::unique_ptr<Disk> disk, const std::string& file, 
   });
 }
 
-/// Reads what the earlier process left, and what is missing of it.
+/// Reads the state that the earlier process left, and what is missing of it.
 void DurableState::take_over(const std::string& file, PastEnd past) {
   using Left = Journal::Left;
   if (!journal_.other_layout().empty())
@@ -77,12 +77,12 @@ void DurableState::take_over(const std::string& file, PastEnd past) {
   if (!journal_.damage().empty()) notice_(journal_.damage());
   read_left();
   if (journal_.may_have_lost()) lose(key(kLoss, journal_.damage()), journal_.damage());
-  // Every process makes a journal at its start, so it is missing if there was a process.
+  // Every process makes a journal at its start, so a missing one was lost if there was a process.
   if (journal_.left() == Left::none && past != PastEnd::unknown) {
     const std::string missing = fmt::format("{} is missing or cannot be read: all that commands had added", file);
     lose(key(kLoss, missing), missing);
   }
-  // A loss must be known to the next process, too, when the damaged file has been replaced.
+  // The next process must know of the loss too, when the damaged file has been replaced.
   for (const auto& [key, sentence] : losses_)
     journal_.put({.key = key, .text = sentence, .blob = {}}, Journal::Sync::now);
   if (!crashed_) {
@@ -175,7 +175,7 @@ std::vector<std::string> DurableState::losses() const {
 void DurableState::not_restored(std::uint64_t place, const std::string& why) {
   if (place < 1 || place > commands_left_.size()) return;
   const KeptKey& key = commands_left_[place - 1].key;
-  // Nothing of the world is missing without it: the server has been given another shard map meanwhile.
+  // No part of the world depends on it: the server has since received another shard map.
   if (key.kind == KeptKind::succession) return;
   const std::lock_guard lock(losses_mutex_);
   if (due_.contains(key.text())) lose(key.text(), why);
@@ -205,14 +205,15 @@ std::vector<KeptKey> DurableState::accept_losses() {
 void DurableState::restore(Inventory& inventory) {
   const std::set<std::string>& start_scenes = inventory.start_scenes();
   std::set<std::string> kept;   // scenes that commands had loaded
-  std::set<std::string> given;  // of these, what the start options now load themselves, and no command had put in place
+  std::set<std::string> given;  // of these, loaded by the start options now, and not put in place by a command
   for (const KeptCommand& command : commands_left_) {
     if (command.key.kind != KeptKind::scene) continue;
     const std::string& scene = command.key.name;
     kept.insert(scene);
     const nlohmann::json load = nlohmann::json::parse(command.text, nullptr, false);
     const bool replaces = is_due({KeptKind::cleared, scene}) || (load.is_object() && load.value("replace", false));
-    // After a crash the options are hardly others on purpose: the scene is a loss, and stays for a start that has room for it.
+    // After a crash the options have hardly been changed on purpose: the scene is a loss, and stays for a start that
+    // has room for it.
     if (!crashed_ && start_scenes.contains(scene) && !replaces) given.insert(scene);
   }
   const auto is_moot = [&](const KeptKey& key) {

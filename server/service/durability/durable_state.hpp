@@ -26,20 +26,21 @@ struct StateError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// What a server restores after a stop or a crash: the inventory of what commands have brought in. After a crash it also
-/// knows which publishers were there, and waits for them. Poses and events are not kept: publishers send them again.
-/// What had been acknowledged and cannot be restored is a loss, which lasts, over crashes too, until it is accepted.
+/// The state that a server restores after a stop or a crash: the inventory of what commands have added. After a crash
+/// it also knows which publishers were connected, and waits for them. Poses and events are not kept: publishers send
+/// them again. Acknowledged state that cannot be restored is a loss, which lasts until it is accepted, even over
+/// further crashes.
 ///
-/// threads  the world's, where nothing else is said; writing and syncing is done in order on a thread of its own, so a
-///          slow disk delays the answers of commands and nothing else
+/// threads  the world's, unless stated otherwise; writing and syncing is done in order on a thread of its own, so a
+///          slow disk delays only the answers of commands
 class DurableState {
  public:
   using Notice = std::function<void(const std::string&)>;
-  /// What becomes of what an earlier process left.
+  /// What to do with the state of an earlier process.
   enum class Start : std::uint8_t { restores, drops };
-  /// Reads what an earlier process left. Throws StateError if another version wrote it, unless it is dropped.
+  /// Reads the state of an earlier process. Throws StateError if another version wrote it, unless it is dropped.
   ///
-  /// past    how that process ended, by its epoch's file; where the journal says it too, the journal counts
+  /// past    how that process ended, by its epoch's file; the journal takes precedence if it has this too
   /// notice  takes a sentence for the log, mostly called on the thread of its own
   DurableState(std::unique_ptr<Disk> disk, const std::string& file, PastEnd past, Notice notice,
                Start start = Start::restores);
@@ -47,60 +48,60 @@ class DurableState {
   DurableState(const DurableState&) = delete;
   DurableState& operator=(const DurableState&) = delete;
 
-  /// Whether the earlier process did not end in order.
+  /// Whether the earlier process ended without a proper stop.
   bool crashed() const { return crashed_; }
-  /// What the earlier process had carried out, as commands in the order of their kinds. Each is known by its place
-  /// here, from 1 on.
+  /// The state of the earlier process, as commands in the order of their kinds. Each is known by its position here,
+  /// from 1 on.
   const std::vector<KeptCommand>& commands_left() const { return commands_left_; }
   /// With Start::drops: how much was dropped of each kind, as words; empty: nothing.
   const std::string& dropped() const { return dropped_; }
-  /// The publishers that the crashed process knew; none if it ended in order.
+  /// The publishers that the crashed process knew; none if it was stopped properly.
   const std::vector<std::uint64_t>& publishers_left() const { return publishers_left_; }
 
   /// What is missing, a sentence each. Any thread.
   std::vector<std::string> losses() const;
   bool has_losses() const { return has_losses_.load(); }
-  /// Why what is added now is lost when the server ends, such as a full disk; empty: it is not. Any thread.
+  /// Why new entries are lost when the server ends, such as a full disk; empty: they are not. Any thread.
   std::string problem() const;
-  /// One of commands_left() could not be carried out again. It stays in the journal until it is accepted, or something
-  /// of its name is kept anew. Any thread.
+  /// One of commands_left() failed when repeated. It stays in the journal until it is accepted, or its name is stored
+  /// again. Any thread.
   void not_restored(std::uint64_t place, const std::string& why);
-  /// Whether one of commands_left() is still to be carried out: no client has meanwhile put something in its place, or
-  /// taken that away. Any thread.
+  /// Whether one of commands_left() must still be carried out: no client has since replaced or removed it. Any thread.
   bool is_due(std::uint64_t place) const { return is_due(commands_left_.at(place - 1).key); }
   bool is_due(const KeptKey& key) const;
-  /// Forgets all losses, and what was not restored. Returns the keys of the latter.
+  /// Forgets all losses, and commands that were not restored. Returns the keys of the latter.
   std::vector<KeptKey> accept_losses();
 
-  /// Gives the inventory what commands_left() bring in, and drops what the start options contradict: what was kept of
-  /// scenes that they no longer name or, under the same name, now load themselves. Before commands_left() are carried out.
+  /// Adds the entries of commands_left() to the inventory, and drops those that contradict the start options: entries
+  /// of scenes that these no longer name or, under the same name, now load themselves. Call this before commands_left()
+  /// are carried out.
   void restore(Inventory& inventory);
-  /// Keeps what commands have changed, but for what goes with a client or a publisher.
+  /// Stores what commands have changed, except what is removed with a client or a publisher.
   void keep(const Inventory::Changes& changes);
-  /// What a server that follows carries out: all of the inventory, but for what goes with a client or a publisher, and
-  /// for attachments of before the start that wait for their parents.
+  /// The commands that a follower carries out: all of the inventory, except what is removed with a client or a
+  /// publisher, and attachments from before the start that wait for their parents.
   std::vector<KeptCommand> followed(const Inventory& inventory) const;
-  /// Keeps that covers were stated: after a crash, too, what lies outside of them is unknown, whatever became of the
-  /// scenes that stated them.
+  /// Stores that covers were stated: after a crash the space outside of them stays unknown, even if the scenes that
+  /// stated them are gone.
   void covers_stated();
   /// Whether the crashed process had stated covers.
   bool had_covers() const { return had_covers_; }
-  /// From now on these publishers count and no others; until the first call, those that the crashed process left.
+  /// Replaces the set of publishers; until the first call, it holds those that the crashed process left.
   void set_publishers(const std::set<std::uint64_t>& publishers);
-  /// Calls done("") once all of the above is on the disk, or done(why) where it could not be written. After finish() at
-  /// once.
+  /// Calls done("") once all of the above is on disk, or done(why) if it could not be written. After finish() at once.
   void then(std::function<void(const std::string& not_kept)> done);
-  /// Calls done(""), where so many bytes more will find room on the disk, else done(why). Any thread.
+  /// Calls done("") if the disk has room for this many more bytes, else done(why). Any thread.
   void ask_room(std::uint64_t bytes, std::function<void(const std::string& no_room)> done);
   /// Waits until all of the above is written, at most for `longest`.
   void wait(std::chrono::milliseconds longest);
-  /// Writes what waits, calls what then() was given, and takes nothing more.
+  /// Writes what is queued, calls the functions given to then(), and accepts nothing more.
   void finish();
-  /// After finish(): writes down that this process ends in order, so that the next one waits for no publishers.
+  /// Call this after finish(): records that this process was stopped properly, so that the next one waits for no
+  /// publishers.
   void close() { journal_.close(); }
 
  private:
-  static constexpr std::size_t kMostJobs = 4'096;  // waiting; beyond it publishers are not noted
+  static constexpr std::size_t kMostJobs = 4'096;  // waiting; beyond it publishers are not stored
   using Job = std::function<void()>;
 
   void take_over(const std::string& file, PastEnd past);
@@ -120,9 +121,9 @@ class DurableState {
   std::vector<KeptCommand> commands_left_;
   std::vector<std::uint64_t> publishers_left_;
   bool had_covers_ = false;
-  mutable std::mutex losses_mutex_;            // for these two
+  mutable std::mutex losses_mutex_;            // guards these two
   std::map<std::string, std::string> losses_;  // sentence by key in the journal
-  std::set<std::string> due_;                  // of commands_left_: what this process has neither put nor erased
+  std::set<std::string> due_;                  // of commands_left_: not yet put or erased by this process
   std::atomic<bool> has_losses_{false};
   std::set<std::uint64_t> publishers_;
   WorkQueue<Job> jobs_;

@@ -45,7 +45,7 @@ bool sync_to_disk(const fs::path& path, int flags) {
   return done;
 }
 
-/// Replaces the file such that a crash leaves the old or the new text. Returns what went wrong, or nothing.
+/// Replaces the file so that a crash leaves the old or the new text. Returns what went wrong, or nothing.
 std::string replace_file(const fs::path& path, const std::string& text) {
   std::error_code error;
   const fs::path fresh = path.string() + ".new";
@@ -59,7 +59,7 @@ std::string replace_file(const fs::path& path, const std::string& text) {
   }
   fs::rename(fresh, path, error);
   if (error) return fmt::format("{} cannot be replaced: {}", path.string(), error.message());
-  // A rename survives a loss of power only once its folder is synced.
+  // A rename survives a power loss only once its folder is synced.
   sync_to_disk(path.parent_path(), O_RDONLY | O_DIRECTORY);
   return {};
 }
@@ -70,7 +70,7 @@ std::uint32_t checksum(std::string_view text) {
   return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(text.data()), text.size()));
 }
 
-/// Into both files, of which a crash between the two leaves one as it was.
+/// Writes both files; a crash between the two leaves one of them unchanged.
 std::string write_epoch(const std::string& path, std::uint64_t value, std::string_view how) {
   const std::string said = fmt::format("{} {}", value, how);
   const std::string line = fmt::format("{} {:08x}\n", said, checksum(said));
@@ -78,7 +78,7 @@ std::string write_epoch(const std::string& path, std::uint64_t value, std::strin
   return problem.empty() ? replace_file(copy_of(path), line) : problem;
 }
 
-/// What one of the two files says.
+/// The content of one of the two files.
 struct Read {
   bool is_there = false;
   bool is_whole = false;
@@ -86,7 +86,7 @@ struct Read {
   PastEnd past = PastEnd::unknown;
 };
 
-/// has_copy: false takes a text without a checksum, as before there were copies.
+/// has_copy: false accepts a text without a checksum, as before there were copies.
 Read read_epoch(const std::string& path, bool has_copy) {
   Read read;
   std::ifstream in(path, std::ios::binary);
@@ -106,7 +106,7 @@ Read read_epoch(const std::string& path, bool has_copy) {
   return read;
 }
 
-/// Takes over what the two files say: the greater value counts, and of two equal ones the one that still runs.
+/// Combines the two files: the greater value counts, and of two equal ones the one that still runs.
 void read_both(Epoch& epoch) {
   std::error_code ignored;
   const bool has_copy = fs::exists(copy_of(epoch.kept_in), ignored);
@@ -126,7 +126,7 @@ void read_both(Epoch& epoch) {
 /// Takes the lock and returns 0, or returns the process that holds it (-1: not known). The open file is the lock.
 int take_lock(const fs::path& path, std::shared_ptr<void>& lock) {
   const int file = open(path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0644);
-  if (file < 0) return 0;  // where nothing can be written, replace_file() reports it
+  if (file < 0) return 0;  // if nothing can be written, replace_file() reports it
   if (flock(file, LOCK_EX | LOCK_NB) != 0) {
     int holder = 0;
     std::ifstream(path) >> holder;

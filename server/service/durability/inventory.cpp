@@ -91,7 +91,7 @@ void Inventory::erase_members(const std::string& scene) {
 }
 
 void Inventory::forget(const KeptKey& key) {
-  // Of a publisher's objects only the flight recorder knows which there are.
+  // Only the flight recorder knows which objects a publisher has.
   if (!kept_.erase(key) && key.kind != KeptKind::published) return;
   put_.erase(key);
   erased_.push_back(key);

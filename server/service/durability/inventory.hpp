@@ -14,7 +14,7 @@
 
 namespace collided::engine::service {
 
-/// The kinds of things that commands bring in, in the order in which they are carried out again.
+/// The kinds of things that commands add, in the order in which they are repeated.
 enum class KeptKind : std::uint8_t {
   cleared,  // a scene of the start options that was removed
   scene,
@@ -24,41 +24,41 @@ enum class KeptKind : std::uint8_t {
   moved,
   probe,
   fence,
-  rule,        // by its place in their order, two digits
+  rule,        // by its position in their order, two digits
   attached,    // by the name of the child
-  succession,  // of the shard map, of which there is one
-  published    // an object that a lost publisher left, and where a command has moved it
+  succession,  // of the shard map; there is only one
+  published    // an object that a lost publisher left, and its pose if a command has moved it
 };
 
-/// Names one thing that commands have brought in.
+/// Names one thing that commands have added.
 struct KeptKey {
   KeptKind kind = KeptKind::object;
-  std::string name;  // of a member: of its scene, a line feed, which no name has, and its own
+  std::string name;  // of a member: its scene's, a line feed (which no name contains), and its own
   auto operator<=>(const KeptKey&) const = default;
 
   static KeptKey of_member(KeptKind kind, const std::string& scene, const std::string& member) {
     return {kind, scene + '\n' + member};
   }
-  /// Reads what text() writes; nothing for other text.
+  /// Parses the output of text(); nothing for other text.
   static std::optional<KeptKey> parse(std::string_view text);
   /// "object/crate", as the journal has it.
   std::string text() const;
-  /// The scene of which it names a member; empty: it names no member.
+  /// The scene whose member it names; empty: it does not name a member.
   std::string scene() const;
 };
 
-/// The command that brings one thing in again.
+/// The command that adds one thing again.
 struct KeptCommand {
   KeptKey key;
   std::string text = {};             // JSON
   std::vector<std::byte> blob = {};  // a Shape of scene.fbs, or empty
-  std::uint64_t owner = 0;           // the client or publisher that it goes with; 0: it outlives both
+  std::uint64_t owner = 0;           // the client or publisher with which it is removed; 0: it outlives both
   bool operator==(const KeptCommand&) const = default;
 
   std::size_t bytes() const;
 };
 
-/// Commands by their keys, ordered by kind and within a kind by when their keys came.
+/// Commands by their keys, ordered by kind and within a kind by when their keys were added.
 class KeptCommands {
  public:
   /// Adds a command, or replaces that of its key, which keeps its place.
@@ -68,7 +68,7 @@ class KeptCommands {
   bool contains(const KeptKey& key) const { return numbers_.contains(key); }
   /// The members of a scene among the keys.
   std::vector<KeptKey> members_of(const std::string& scene) const;
-  /// Calls visit(command) for each, in the order in which they are carried out again.
+  /// Calls visit(command) for each, in the order in which they are repeated.
   template <class Visit>
   void for_each(Visit&& visit) const {
     for (const auto& [place, command] : commands_) visit(command);
@@ -83,16 +83,16 @@ class KeptCommands {
   std::size_t bytes_ = 0;
 };
 
-/// What commands have brought into the world, as the commands that make the same world again. Commands put and erase where
-/// they have changed the world; what one of them changed goes to the sinks in one piece, in the order of the commands.
+/// What commands have added to the world, as the commands that make the same world again. Commands put and erase after
+/// they have changed the world; the changes of one command go to the sinks together, in the order of the commands.
 ///
 /// threads  the world's
 class Inventory {
  public:
   struct Changes {
     std::vector<KeptKey> erased;   // before the others are put
-    std::vector<KeptCommand> put;  // in the order in which they are carried out again
-    std::uint64_t client = 0;      // these two: the command that made them; 0: the server by itself
+    std::vector<KeptCommand> put;  // in the order in which they are repeated
+    std::uint64_t client = 0;      // these two: the command that made the changes; 0: the server itself
     std::uint64_t request = 0;
     bool is_empty() const { return erased.empty() && put.empty(); }
   };
@@ -101,26 +101,26 @@ class Inventory {
   /// Each sink is called by every flush().
   explicit Inventory(std::vector<Sink> sinks) : sinks_(std::move(sinks)) {}
 
-  /// The scenes that the next process loads by itself: the removal of one is kept.
+  /// The scenes that the next process loads by itself: their removal is stored.
   void set_start_scenes(std::set<std::string> scenes) { start_scenes_ = std::move(scenes); }
   const std::set<std::string>& start_scenes() const { return start_scenes_; }
-  /// Adds what an earlier process left. The sinks have it once it is carried out again.
+  /// Adds a command of an earlier process. The sinks receive it once it is repeated.
   void restore(KeptCommand command) { kept_.put(std::move(command)); }
 
-  /// Whether a command does something new, or what an earlier process had done.
+  /// Whether a command is new, or repeats one of an earlier process.
   enum class Turn : std::uint8_t { first, again };
-  /// Keeps a command in place of that of its key. A new object is not moved, a new scene has all of its members, and what
-  /// is taken out of a scene has no place and is attached to nothing: what was kept of that goes. If the command is
-  /// carried out again, that stays, since its turn is still to come.
+  /// Stores a command, replacing that of its key. Entries that it makes obsolete are dropped: moves of a new object,
+  /// changes to members of a new scene, and place and attachment of a removed member. A repeated command keeps them,
+  /// since they are repeated later.
   void put(const KeptCommand& command, Turn turn = Turn::first);
-  /// Forgets the command of a key, and what depends on it: where an object was and what it was attached to, the members
-  /// of a scene. Unknown keys are ignored, but for objects of publishers.
+  /// Drops the command of a key, and entries that depend on it: an object's place and attachment, the members of a
+  /// scene. Unknown keys are ignored, except for objects of publishers.
   void erase(const KeptKey& key);
-  /// Forgets what was taken out of a scene, and what was moved in it.
+  /// Drops the removed and the moved members of a scene.
   void erase_members(const std::string& scene);
-  /// Hands what was changed since the last call to the sinks, and returns it.
+  /// Passes the changes since the last call to the sinks, and returns them.
   ///
-  /// client, request  of the command that changed it
+  /// client, request  of the command that made them
   Changes flush(std::uint64_t client = 0, std::uint64_t request = 0);
 
   const KeptCommands& commands() const { return kept_; }

@@ -17,14 +17,14 @@ namespace layout = journal_layout;
 /// The file is rewritten once it is longer than kMostStale times its live bytes plus kSmall.
 constexpr std::uint64_t kMostStale = 2;
 constexpr std::uint64_t kSmall = 1 << 20;
-/// Room that is asked for beyond what is to be written: removals, too, are records.
+/// Room requested beyond the bytes to be written: removals are records too.
 constexpr std::uint64_t kSpare = 4'096;
 
 bool starts_with(std::span<const std::byte> bytes, std::string_view word) {
   return bytes.size() >= word.size() && std::memcmp(bytes.data(), word.data(), word.size()) == 0;
 }
 
-/// The digits between the stem and the line feed; empty if the file does not begin like that.
+/// The digits between the stem and the line feed; empty if the file begins differently.
 std::string number_of_layout(std::span<const std::byte> file) {
   constexpr std::size_t kMostDigits = 9;
   std::string digits;
@@ -90,7 +90,7 @@ void Journal::read_slots(std::span<const std::byte> file) {
   has_file_ = true;
 }
 
-/// Reads records from byte `from` on; false where one is cut or damaged. Counts what the file holds up to there.
+/// Reads records from byte `from` on; false if one is cut or damaged. Counts the file's bytes up to there.
 bool Journal::read_records(std::span<const std::byte> file, std::size_t from) {
   file_bytes_ = from;
   file_records_ = 0;
@@ -152,7 +152,7 @@ void Journal::change(std::span<const std::string> erased, std::span<const Entry>
     }
     const bool is_all_kept = has_file_ && problem_.empty();
     for (const Entry& entry : put) {
-      // What is carried out again at the start is there already.
+      // Commands repeated at the start are already in the file.
       const Entry* const known = find(entry.key);
       if (known == nullptr || *known != entry || !is_all_kept) add(entry, false);
     }
@@ -160,7 +160,7 @@ void Journal::change(std::span<const std::string> erased, std::span<const Entry>
   } catch (const std::bad_alloc&) { fail_for_memory(); }
 }
 
-/// After this nobody knows what the file holds. The text is short enough to need no allocation.
+/// After this the content of the file is unknown. The text is short enough to need no allocation.
 void Journal::fail_for_memory() {
   has_file_ = false;
   problem_ = "no memory left";
@@ -191,7 +191,7 @@ void Journal::close() {
   if (has_file_) mark(true);
 }
 
-/// Writes both slots, so that damage to one of them does not change how the file was left.
+/// Writes both slots, so that damage to one of them does not hide how the file was left.
 void Journal::mark(bool is_closed) {
   for (int i = 0; i < 2; ++i) {
     const layout::Slot slot{
@@ -202,8 +202,8 @@ void Journal::mark(bool is_closed) {
   }
 }
 
-/// Appends the records and, once they are on the disk, writes the slot that counts them. `nothing` leaves the file as
-/// it was: there was no room.
+/// Appends the records and, once they are on disk, writes the slot that counts them. `nothing` leaves the file as it
+/// was: there was no room.
 Journal::Appended Journal::append(std::span<const std::byte> records, std::uint64_t count, Sync sync) {
   if (!disk_->append(name_, records)) {
     const int why = errno;
@@ -227,7 +227,7 @@ bool Journal::count_records(std::uint64_t records, std::uint64_t bytes, Sync syn
 
 void Journal::write(std::span<const std::byte> records, std::uint64_t count, Sync sync) {
   if (!has_file_) return static_cast<void>(rewrite());
-  // What found no room before goes first: the order counts, and a removal must not overtake what it removes.
+  // Records that found no room before go first: the order counts, and a removal must not overtake what it removes.
   waiting_.insert(waiting_.end(), records.begin(), records.end());
   waiting_records_ += count;
   if (file_bytes_ > kMostStale * live_bytes_ + kSmall && rewrite()) return;
@@ -239,12 +239,12 @@ void Journal::write(std::span<const std::byte> records, std::uint64_t count, Syn
       return;
     case Appended::nothing:
       problem_ = fmt::format("{} cannot be written: {}", name_, std::strerror(errno));
-      // A new file may still be the smaller one, and what waits must not grow without limit.
+      // A new file may still be smaller, and waiting records must not grow without limit.
       if (waiting_.size() > live_bytes_ || file_bytes_ > live_bytes_) static_cast<void>(rewrite());
       return;
     case Appended::unknown: break;
   }
-  // It is unknown now whether the records are in the file, and what comes after a cut one would be lost with it.
+  // It is now unknown whether the records are in the file, and records after a cut one would be lost with it.
   const int why = errno;
   static_cast<void>(disk_->cut(name_, file_bytes_));
   errno = why;
@@ -252,8 +252,8 @@ void Journal::write(std::span<const std::byte> records, std::uint64_t count, Syn
   static_cast<void>(rewrite());
 }
 
-/// Writes all live entries to a new file, then renames it over the old one, which stays until then, and is appended to
-/// further where the new one found no room. False: problem() says why.
+/// Writes all live entries to a new file, then renames it over the old one. The old one stays until then, and is
+/// appended to further if the new one found no room. False: problem() says why.
 bool Journal::rewrite() {
   const std::string summand = name_ + ".new";
   const std::uint64_t bytes = live_bytes_;
@@ -264,15 +264,15 @@ bool Journal::rewrite() {
   }
   for (const Entry& entry : entries_) done = done && disk_->append(summand, layout::encode(entry, false));
   done = done && disk_->sync(summand);
-  // A look at the damaged file may bring back more than this program can.
+  // The damaged file may contain more than this program can recover.
   if (done && is_worth_keeping_) static_cast<void>(disk_->link(name_, name_ + ".damaged"));
   if (done) {
     done = disk_->rename(summand, name_);
-    has_file_ = done;  // a rename that failed may have been done by half
+    has_file_ = done;  // a rename that failed may have been done partly
   }
   problem_ = done ? std::string() : fmt::format("{} cannot be written: {}", name_, std::strerror(errno));
   if (!done) {
-    // Half a file is of no use and takes room that the old one may need.
+    // A partial file is useless and takes room that the old one may need.
     static_cast<void>(disk_->remove(summand));
     return false;
   }

@@ -75,7 +75,7 @@ class PosixDisk final : public Disk {
   }
   bool rename(const std::string& from, const std::string& to) override {
     if (::rename(path(from).c_str(), path(to).c_str()) != 0) return false;
-    // A rename survives a loss of power only once its folder is synced.
+    // A rename survives a power loss only once its folder is synced.
     const JournalFile folder(folder_, O_RDONLY | O_DIRECTORY);
     return folder.is_open() && fsync(folder.number()) == 0;
   }
@@ -87,7 +87,7 @@ class PosixDisk final : public Disk {
     const JournalFile file(path(name), O_WRONLY);
     struct stat about {};
     return file.is_open() && fstat(file.number(), &about) == 0 &&
-           // Where the file system cannot say, the write will.
+           // If the file system does not support this, the write will report it.
            (fallocate(file.number(), FALLOC_FL_KEEP_SIZE, about.st_size, static_cast<off_t>(bytes)) == 0 ||
             errno == EOPNOTSUPP);
   }

@@ -11,9 +11,9 @@ namespace {
 /// A longer part of a record is damage: a shape comes in one message.
 constexpr std::uint64_t kMostRecordBytes = 64 << 20;
 
-/// Stands before each record; key, text and blob follow.
+/// Precedes each record; key, text and blob follow.
 struct RecordHead {
-  std::uint32_t checksum = 0;  // of all that follows this number
+  std::uint32_t checksum = 0;  // of everything after this number
   std::uint32_t is_erased = 0;
   std::uint64_t key_bytes = 0;
   std::uint64_t text_bytes = 0;
@@ -24,7 +24,7 @@ std::uint32_t checksum(std::span<const std::byte> bytes) {
   return static_cast<std::uint32_t>(crc32_z(0, reinterpret_cast<const Bytef*>(bytes.data()), bytes.size()));
 }
 
-/// Puts the checksum of all that follows it into its place at the start.
+/// Stores the checksum of all following bytes at the start.
 void seal(std::vector<std::byte>& bytes) {
   const std::uint32_t sum = checksum(std::span(bytes).subspan(sizeof sum));
   std::memcpy(bytes.data(), &sum, sizeof sum);
