@@ -27,7 +27,7 @@ void Broadcast::publish_events(const Stamp& stamp, FunctionRef<bool(ObjectId)> i
     const bool persisted = event.kind == EventKind::persisted;
     if (!persisted) {
       const std::uint64_t hash = wire_contract::contact_hash(event.of.a, event.of.b, event.of.episode);
-      // A sum, so that an ended contact can be taken out again.
+      // A sum, so that an ended contact can be subtracted again.
       if (event.kind == EventKind::began) contact_hash_ += hash;
       if (event.kind == EventKind::ended) contact_hash_ -= hash;
       changed_.mark(event.of);
@@ -52,7 +52,7 @@ void Broadcast::publish_contacts(const Stamp& stamp) {
     contacts_.shard = shard;
     for (const std::uint32_t i : numbers) contacts_.add(holding[i], names_);
     put_names(contacts_, [&](ObjectId id) { return names_.name(id); });
-    // DDS delivers no larger message. Names can be done without, contacts cannot.
+    // DDS delivers no larger message. Names may be left out, contacts may not.
     constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
     if (contacts_.bytes() > kRoom) {
       contacts_.named_ids.clear();

@@ -14,8 +14,8 @@
 
 namespace collided::engine::service {
 
-/// Publishes what each step found: every event once, in frames without a gap, then the shards of the contact state that
-/// changed. Knows neither DDS nor time.
+/// Publishes the results of each step: every event once, in frames without a gap, then the shards of the contact state
+/// that changed. Independent of DDS and time.
 ///
 /// threads  the one that writes the world
 class Broadcast {
@@ -24,11 +24,11 @@ class Broadcast {
   Broadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice)
       : world_(world), event_writer_(event_writer), notice_(std::move(notice)) {}
 
-  /// Has every shard written next time, the empty ones too: a subscriber that waits for all shards need not guess.
+  /// Marks every shard as changed, even the empty ones: a subscriber that waits for all shards need not guess.
   void mark_all() { changed_.mark_all(); }
-  /// Publishes what the newest step found. To be called once a step.
+  /// Publishes the results of the newest step. Call this once a step.
   ///
-  /// is_merged  whether poses of an object were merged on the way that the step decided
+  /// is_merged  whether poses of an object were merged on the path that the step decided
   void publish(FunctionRef<bool(ObjectId)> is_merged);
 
   /// Sum of contact_hash() in topics.hpp over the contacts that hold.

@@ -9,13 +9,13 @@
 
 namespace collided::engine::service {
 
-/// The shards of what holds that are to be written again.
+/// The shards of the held pairs that need to be written again.
 class ChangedShards {
  public:
   void mark(const OpenContact& pair) { is_changed_[wire_contract::contact_shard(pair.a, pair.b)] = 1; }
   void mark_all() { is_changed_.assign(wire_contract::kContactShards, 1); }
 
-  /// Calls visit(shard, numbers of its pairs in `holding`) for each, in order, and forgets them.
+  /// Calls visit(shard, numbers of its pairs in `holding`) for each, in order, and clears them.
   template <class Visit>
   void take(const std::vector<OpenContact>& holding, Visit&& visit) {
     if (std::ranges::find(is_changed_, 1) == is_changed_.end()) return;

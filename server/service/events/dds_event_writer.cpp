@@ -10,12 +10,12 @@
 namespace collided::engine::service {
 namespace {
 
-/// Keeps the number of matched readers, so that what nothing reads need not be made.
+/// Tracks the number of matched readers, so that messages without a reader need not be made.
 dds::WriterOptions counting(std::atomic<std::uint32_t>& readers) {
   return {.matched = [&readers](std::uint32_t count) { readers.store(count); }};
 }
 
-/// As many whole lines as fit into `room` bytes, then "..." where some do not.
+/// As many whole lines as fit into `room` bytes, then "..." if some do not.
 std::string fitting_lines(const std::string& lines, std::size_t room) {
   if (lines.size() < room) return lines;
   const std::size_t end = lines.rfind('\n', room - 5);
@@ -90,7 +90,7 @@ void DdsEventWriter::write_frame(dds::Writer<Frame>& writer, Frame& frame, const
   write(writer, frame);
 }
 
-/// To be called once before all that belongs together is kept or written: the place may end between the two.
+/// Call this once before related messages are kept or written: the place may end between them.
 void DdsEventWriter::note_lapse() {
   if (lapsed_ns_ == 0 && !place_.may_publish()) lapsed_ns_ = std::max<std::int64_t>(1, place_.may_publish_until_ns());
 }
@@ -99,7 +99,7 @@ std::uint64_t DdsEventWriter::speak(const SpokenBefore& before) {
   is_silent_ = false;
   lapsed_ns_ = 0;
   note_lapse();
-  // What was kept stays so until the place is confirmed again.
+  // Kept messages stay kept until the place is confirmed again.
   if (is_quiet()) return 0;
   std::uint64_t first = 0;
   untold_.tell_all(before, [&](const auto& frame) {
@@ -154,7 +154,7 @@ void DdsEventWriter::write_standing_state(const StandingStateColumns& state, con
   shard.count = state.count;
   shard.hash = state.hash;
   wire::lend<wire::StandingShardColumns>(state, shard);
-  // A recording has none of it before there was anything.
+  // A recording does not contain this before the first event.
   if (as_of_sequence > 0) note(recording::Recorded::standing_state, shard);
   write(standing_state_writer_, shard);
 }

@@ -13,10 +13,10 @@
 
 namespace collided::engine::service {
 
-/// What identifies this server in everything that it writes.
+/// The identity of this server, in everything that it writes.
 struct Identity {
   std::uint64_t server = 0;  // random, one per process
-  std::uint64_t epoch = 0;   // as it started; see Epoch
+  std::uint64_t epoch = 0;   // at its start; see Epoch
   std::string name_space;
   std::string version;
 };
@@ -24,20 +24,19 @@ struct Identity {
 /// Writes events, contacts, probes and status to DDS. A write that fails or finds a reader full is not reported: the
 /// world must not stop for it, and subscribers see the gap in the sequence.
 ///
-/// threads  the world's, but for repeat_status()
+/// threads  the world's, except for repeat_status()
 class DdsEventWriter : public EventWriter {
  public:
-  /// flight  records all that is written but persisted contacts; null: none
+  /// flight  records everything written except persisted contacts; null: none
   /// place   once it may not publish any more, nothing is written before speak() is called
   DdsEventWriter(const dds::Participant& participant, const Identity& identity, FlightRecorder* flight,
                  const Place& place);
 
   void fall_silent() override;
   std::uint64_t speak(const SpokenBefore& before) override;
-  /// In all that is written from now on.
+  /// Sets the epoch of all further messages.
   void set_epoch(std::uint64_t epoch);
-  /// Since when it writes nothing because its place ended, steady clock; 0: it writes, or fell silent for another
-  /// reason.
+  /// Since when it writes nothing because its place ended, steady clock; 0: it writes, or is silent for another reason.
   std::int64_t lapsed_ns() const { return is_silent_.load() ? 0 : lapsed_ns_.load(); }
   bool contacts_wanted() const override { return event_readers_.load() > 0 || contact_readers_.load() > 0; }
   bool persisted_wanted() const override { return persisted_readers_.load() > 0; }
@@ -53,7 +52,7 @@ class DdsEventWriter : public EventWriter {
   /// Writes the newest status again, with how long the world has been busy, if the world's thread has written none for
   /// half a period longer than usual. Any thread.
   ///
-  /// state  of now; a server that said it was stopping remains so
+  /// state    current; a server that has announced its stop stays in that state
   /// returns  when to call it again, steady clock
   std::int64_t repeat_status(std::int64_t now_ns, wire_contract::ServerState state);
   bool standing_wanted() const override { return standing_readers_.load() > 0; }
@@ -63,7 +62,7 @@ class DdsEventWriter : public EventWriter {
   bool steps_wanted() const override { return flight_ != nullptr || step_readers_.load() > 0; }
   void write_step(const StatusColumns& status) override;
 
-  /// To be called last: clients learn that the server has left rather than fallen silent.
+  /// Call this last: clients learn that the server has left rather than gone silent.
   void leave();
 
  private:
@@ -104,7 +103,7 @@ class DdsEventWriter : public EventWriter {
   dds::Sample<wire::Status> step_;
 
   // Statuses are written one after the other, and none once fall_silent() has returned.
-  std::mutex status_mutex_;  // for the next four
+  std::mutex status_mutex_;  // guards the next four
   dds::Sample<wire::Status> status_;
   StatusColumns said_;            // its columns of publishers
   std::int64_t said_ns_ = 0;      // when the world's thread wrote it, steady clock; 0: not yet

@@ -35,24 +35,25 @@ struct StatusColumns : wire::StatusColumns {
   std::uint64_t undecided_answers = 0;
 };
 
-/// What is known of the server that spoke so far, by the one that takes its place and tells again what it may not have told.
+/// State of the previous primary, for its successor, which repeats events that it may not have published.
 struct SpokenBefore {
-  std::int64_t heard_ns = 0;  // when it was heard last, steady clock; 0: all that was kept is told again
+  std::int64_t heard_ns = 0;  // when it was last received, steady clock; 0: all kept events are repeated
   std::int64_t same_from_ns =
-      0;  // world time since when this one finds what it found; it has told what was before. 0: always
+      0;  // world time since when both servers find the same; the other published all before. 0: always
 };
 
-/// What the world's thread writes to: DdsEventWriter in the server, a list in tests. Only that thread calls it.
+/// The interface that the world's thread writes to: DdsEventWriter in the server, a list in tests. Only that thread
+/// calls it.
 class EventWriter {
  public:
   virtual ~EventWriter() = default;
-  /// From now on nothing is written, as of a server that stands by; all else is as if it were.
+  /// Stops all writing, for a standby; everything else continues as before.
   virtual void fall_silent() {}
-  /// Ends that: first come the events that the server which spoke so far may not have written.
+  /// Ends the silence: first writes the events that the previous primary may not have written.
   ///
   /// returns  the number of the first one of contacts; 0: there is none
   virtual std::uint64_t speak(const SpokenBefore&) { return 0; }
-  /// The period of the status, longer while it has no reader. A new reader gets the last one at once.
+  /// The period of the status, longer while it has no reader. A new reader receives the last one at once.
   virtual std::int64_t status_period_ns() const { return wire_contract::kStatusPeriodNs; }
   virtual bool contacts_wanted() const = 0;  // events or contacts have a reader
   virtual bool persisted_wanted() const = 0;
@@ -65,11 +66,11 @@ class EventWriter {
   virtual void write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) = 0;
   virtual void write_probes(const ProbeColumns& probes, const Stamp& stamp) = 0;
   virtual void write_status(const StatusColumns& status) = 0;
-  virtual bool standing_wanted() const { return false; }  // what holds of standing questions has a reader
-  /// Of standing questions; at most kMaxEventsPerFrame.
+  virtual bool standing_wanted() const { return false; }  // the state of standing questions has a reader
+  /// Events of standing questions; at most kMaxEventsPerFrame.
   virtual void write_standing_events(const StandingColumns&, const Stamp&) {}
   virtual void write_standing_state(const StandingStateColumns&, const Stamp&, std::uint64_t /*as_of_sequence*/) {}
-  /// Whether write_step() has a reader, which learns after every step how far each publisher's samples are in the
+  /// Whether write_step() has a reader, which learns after every step up to where each publisher's samples are in the
   /// state.
   virtual bool steps_wanted() const { return false; }
   virtual void write_step(const StatusColumns&) {}

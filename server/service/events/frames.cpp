@@ -6,7 +6,7 @@
 namespace collided::engine::service {
 namespace {
 
-/// What events and contacts have in common.
+/// The common part of events and contacts.
 template <class Columns>
 void put_contact(Columns& columns, const OpenContact& of, const NameBook& book, std::uint8_t marks) {
   wire::put_row(columns, of);

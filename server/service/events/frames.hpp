@@ -14,17 +14,16 @@
 
 namespace collided::engine::service {
 
-/// Names of the objects in contacts that hold; `ended` events need them for objects that the world has forgotten.
+/// Names of the objects in open contacts; `ended` events need them for objects that the world has forgotten.
 class NameBook {
  public:
-  /// To be called with each contact that begins before its frame is written, and forget() with each that ended
-  /// afterwards.
+  /// Call this with each contact that begins before its frame is written, and forget() with each that ended afterwards.
   void note(const OpenContact& contact, const World& world);
   void forget(const OpenContact& contact);
-  /// The same of one object.
+  /// The same for one object.
   void note(ObjectId id, const World& world);
   void forget(ObjectId id);
-  /// Empty where no noted contact names the object. Valid until the next note() or forget().
+  /// Empty if no noted contact names the object. Valid until the next note() or forget().
   std::string_view name(ObjectId id) const;
   /// The triangle's number as reported: that in the file.
   std::uint32_t triangle(ObjectId id, std::uint32_t triangle) const;
@@ -34,13 +33,13 @@ class NameBook {
     std::string name;
     CutTriangles cut{};
     std::uint32_t part_triangles = 0;
-    std::uint32_t contacts = 0;  // that hold and name it
+    std::uint32_t contacts = 0;  // open ones that name it
   };
   std::unordered_map<ObjectId, Entry> entries_;
 };
 
 using wire::put;
-/// Adds a name to those that travel beside their ids: zero-terminated UTF-8, one after the other.
+/// Adds a name to those that accompany their ids: zero-terminated UTF-8, one after the other.
 void put(std::vector<std::uint8_t>& names, std::string_view name);
 
 /// Sorts the ids that a message names, keeps each once, and adds their names.
@@ -57,7 +56,7 @@ void put_names(Columns& columns, const NameOf& name_of) {
 struct EventColumns : wire::EventFrameColumns {
   std::uint64_t first_sequence = 0;  // of the first event
 
-  /// is_merged  poses of one of the two were merged on the way (kDoubtPosesMerged)
+  /// poses of one of the two were merged on the path (kDoubtPosesMerged)
   void add(const Event& event, const NameBook& book, bool is_merged = false);
   std::size_t size() const { return kinds.size(); }
 };
@@ -67,7 +66,7 @@ struct ContactColumns : wire::ContactShardColumns {
 
   void add(const OpenContact& contact, const NameBook& book);
   std::size_t size() const { return a.size(); }
-  /// About what the shard takes in a message, without its fixed fields.
+  /// Approximate size of the shard in a message, without its fixed fields.
   std::size_t bytes() const;
 };
 

@@ -8,14 +8,13 @@
 
 namespace collided::engine::service {
 
-/// Calls a function at the times that it names, on a thread that does nothing else: however long a step of the world
-/// takes, the server shows that it lives.
+/// Calls a function at the times that it returns, on a thread of its own: the server shows that it lives even during a
+/// long step of the world.
 class Heartbeat {
  public:
-  /// beat  takes the steady clock's time and returns when it is to be called again; it must neither wait nor work for
-  ///       long
+  /// beat  takes the steady clock's time and returns its next call time; it must neither wait nor take long
   explicit Heartbeat(std::function<std::int64_t(std::int64_t now_ns)> beat);
-  /// The function does not run any more when this returns.
+  /// The function no longer runs when this returns.
   ~Heartbeat();
   Heartbeat(const Heartbeat&) = delete;
   Heartbeat& operator=(const Heartbeat&) = delete;

@@ -18,7 +18,7 @@ void StandingBroadcast::publish(FunctionRef<bool(ObjectId)> is_merged) {
   publish_state(stamp);
 }
 
-/// Frames go before shards, as of contacts.
+/// Frames go before shards, as for contacts.
 void StandingBroadcast::publish_events(const Stamp& stamp, FunctionRef<bool(ObjectId)> is_merged) {
   wire::clear(events_);
   const auto send = [&] {
@@ -41,7 +41,7 @@ void StandingBroadcast::publish_events(const Stamp& stamp, FunctionRef<bool(Obje
         is_merged(event.of.a) || is_merged(event.of.b) || (next != nullptr && is_merged(next->of.a));
     events_.add(event, next, book_, is_of_merged);
     Event noted = next != nullptr && next->kind == EventKind::began ? *next : event;
-    // A crossing is from its coming in to its going out.
+    // A crossing lasts from entry to exit.
     if (event.kind == EventKind::began && next != nullptr) noted.bracket_high_s = next->bracket_high_s;
     recent_.note(noted, stamp.world_time_ns, book_.name(noted.of.a), book_.name(noted.of.b));
     if (events_.size() == wire_contract::kMaxEventsPerFrame) send();
@@ -59,7 +59,7 @@ void StandingBroadcast::publish_state(const Stamp& stamp) {
     state_.shard = shard;
     for (const std::uint32_t i : numbers) state_.add(holding[i], book_);
     put_names(state_, [&](ObjectId id) { return book_.name(id); });
-    // DDS delivers no larger message. Names can be done without, what holds cannot.
+    // DDS delivers no larger message. Names may be left out, held pairs may not.
     constexpr std::size_t kRoom = wire_contract::kMaxMessageBytes - 4'096;
     if (state_.bytes() > kRoom) {
       state_.named_ids.clear();

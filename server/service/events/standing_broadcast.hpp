@@ -14,7 +14,7 @@
 
 namespace collided::engine::service {
 
-/// Publishes what each step found of standing questions, as Broadcast does of contacts. Knows neither DDS nor time.
+/// Publishes each step's results for standing questions, as Broadcast does for contacts. Independent of DDS and time.
 ///
 /// threads  the one that writes the world
 class StandingBroadcast {
@@ -23,13 +23,14 @@ class StandingBroadcast {
   StandingBroadcast(World& world, EventWriter& event_writer, std::function<void(const std::string&)> notice)
       : world_(world), event_writer_(event_writer), notice_(std::move(notice)) {}
 
-  /// Has every shard written next time, as Broadcast does.
+  /// Marks every shard as changed, as Broadcast does.
   void mark_all() { changed_.mark_all(); }
-  /// Publishes what the newest step found. To be called once a step. Costs nothing until there is a question.
+  /// Publishes the results of the newest step. Call this once a step. Costs nothing until there is a question.
   ///
-  /// is_merged  whether poses of an object were merged on the way that the step decided
+  /// is_merged  whether poses of an object were merged on the path that the step decided
   void publish(FunctionRef<bool(ObjectId)> is_merged);
-  /// Publishes how much holds, for whoever compares: once there was a question, or while the topic has readers.
+  /// Publishes the number and hash of held pairs, for comparison: once there was a question, or while the topic has
+  /// readers.
   void publish_sum(wire_contract::ServerState state);
 
   /// The objects for which a question holds now.
@@ -49,7 +50,7 @@ class StandingBroadcast {
   StandingColumns events_;
   StandingStateColumns state_;
   ChangedShards changed_;
-  std::uint64_t hash_ = 0;  // sum of contact_hash() in topics.hpp over what holds
+  std::uint64_t hash_ = 0;  // sum of contact_hash() in topics.hpp over the held pairs
 };
 
 }  // namespace collided::engine::service

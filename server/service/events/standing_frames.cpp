@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kNotKnown = std::numeric_limits<double>::infinity();
 
-/// A row of both messages; members are named as the columns of collided.idl are.
+/// A row of both messages; members are named like the columns of collided.idl.
 struct StandingRow {
   StandingEventKind kind = StandingEventKind::enter;
   StandingForm form = StandingForm::region;
@@ -48,7 +48,7 @@ StandingEventKind kind_of_beginning(const AskedStanding& asked) {
   return asked.is_widest ? StandingEventKind::approach : StandingEventKind::near;
 }
 
-/// What an event and what holds have in common. In a doubt all is reported, which errs on the safe side.
+/// The common part of an event and a held pair. In doubt all is reported, which errs on the safe side.
 StandingRow row_of(const OpenContact& of, const AskedStanding& asked) {
   const bool may_be_silent = asked.form == StandingForm::region && of.doubt == Doubt::none;
   return {.kind = kind_of_beginning(asked),
@@ -88,7 +88,7 @@ void put_band(StandingRow& row, const Event& event) {
   }
   if (event.of.doubt != Doubt::none) return;
   put_distance(row, event.of);
-  // The normal is a unit vector up to a rounding, and so is the product's error beside the velocity's.
+  // The normal is a unit vector up to rounding, so the product's error is small against the velocity's.
   row.closing = -event.of.contact.normal.dot(event.relative_velocity);
   row.closing_error = event.velocity_error + 8e-16 * event.relative_velocity.norm();
   // The time until the two would touch, and its bound.
@@ -98,7 +98,7 @@ void put_band(StandingRow& row, const Event& event) {
   row.contact_high_s = forecast.depth_m + forecast.depth_error_m;
 }
 
-/// began  the one that is nearest from now on; null: none is
+/// began  the nearest from now on; null: there is none
 void put_nearest(StandingRow& row, const Event& event, const Event* began) {
   const bool ends_one = event.kind == EventKind::ended;
   row.other = ends_one ? event.of.a : 0;

@@ -9,8 +9,8 @@
 
 namespace collided::engine::service {
 
-/// The newest events of a server that is silent, to be told once it takes the place of the one that speaks: which of them
-/// that one still told, only those who listened know. They leave out what they have heard.
+/// The newest events of a silent standby, published once it takes over from the primary. Only the subscribers know
+/// which of them the primary still published; they ignore those that they have received.
 ///
 /// Columns  EventColumns or StandingColumns
 /// threads  one
@@ -23,15 +23,16 @@ class UntoldEvents {
     std::int64_t kept_ns = 0;  // steady clock
   };
 
-  /// Keeps a frame, and lets go of those that are more than kMostEvents before.
+  /// Keeps a frame, and drops those more than kMostEvents older.
   void keep(const Columns& events, const Stamp& stamp, std::int64_t now_ns) {
     if (events.size() == 0) return;
     frames_.push_back({.events = events, .stamp = stamp, .kept_ns = now_ns});
     event_count_ += events.size();
     for (; event_count_ > kMostEvents; frames_.pop_front()) event_count_ -= frames_.front().events.size();
   }
-  /// Calls tell(const UntoldFrame&) with those that the other one may not have told, in order, and forgets all. Their numbers
-  /// follow each other: it begins behind the last frame with an event from before the two found the same.
+  /// Calls tell(const UntoldFrame&) with the frames that the primary may not have published, in order, and clears all.
+  /// Their numbers are consecutive: begins after the last frame with an event from before the time since which both
+  /// servers find the same.
   template <class Tell>
   void tell_all(const SpokenBefore& before, Tell&& tell) {
     for (std::size_t i = first_after(before.same_from_ns); i < frames_.size(); ++i) {
@@ -42,9 +43,9 @@ class UntoldEvents {
   }
 
  private:
-  /// The same step may be told by the one and kept by the other so far apart.
+  /// Bound on the time between publishing a step on one server and keeping it on the other.
   static constexpr std::int64_t kReachNs = 2'000'000'000;
-  /// A subscriber remembers as many that it has heard.
+  /// A subscriber remembers this many received events.
   static constexpr std::size_t kMostEvents = wire_contract::kEventTopic.keep_last;
 
   std::size_t first_after(std::int64_t same_from_ns) const {
