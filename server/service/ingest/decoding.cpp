@@ -33,7 +33,7 @@ void decode(const wire::PoseBatch& from, PoseSample& sample) {
   sample.definitions_through = from.definitions_through;
   sample.source_time_ns = from.source_time_ns;
   sample.flags = from.flags;
-  sample.merged = 0;  // a spare sample still says what it was
+  sample.merged = 0;  // a spare sample still has its old value
   sample.merged_objects.clear();
   const auto numbers = dds::view(from.object_numbers);
   sample.object_numbers.assign(numbers.begin(), numbers.end());

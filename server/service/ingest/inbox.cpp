@@ -48,8 +48,8 @@ void Inbox::push(std::unique_ptr<DefinitionSample> sample) {
   push_in_order(std::move(sample));
 }
 
-/// Once some poses of a publisher are merged, its later ones must be merged too: what was merged comes last, so an
-/// unmerged newer pose would be applied before an older one.
+/// Once some poses of a publisher are merged, its later ones must be merged too: merged ones come last, so an unmerged
+/// newer pose would be applied before an older one.
 bool Inbox::must_merge(const PublisherLine& line, std::size_t poses) const {
   if (line.is_merging) return true;
   const auto is_above = [&](std::size_t times) {
@@ -124,7 +124,7 @@ void Inbox::merge(const PoseSample& sample) {
     counts_.poses_superseded += count;
     return;
   }
-  // A restarted publisher: poses of its earlier run mean nothing any more.
+  // A restarted publisher: poses of its earlier run are obsolete.
   if (sample.incarnation > merged.incarnation) {
     counts_.poses_superseded += merged.numbers.size();
     merged_count_ -= merged.numbers.size();
@@ -134,7 +134,7 @@ void Inbox::merge(const PoseSample& sample) {
   merged.sequence = std::max(merged.sequence, sample.sequence);
   merged.definitions_through = std::max(merged.definitions_through, sample.definitions_through);
   merged.flags |= sample.flags & wire_contract::kPosesAllSaid;
-  // A sign of life must not take the time of the poses before it, nor the way in which their objects move.
+  // A sign of life must not change the time of the poses before it, nor how their objects move.
   if (!sample.is_only_alive()) {
     merged.flags |= sample.flags & wire_contract::kPosesStreamed;
     merged.source_time_ns = sample.source_time_ns;
@@ -177,7 +177,7 @@ std::unique_ptr<PoseSample> Inbox::start_slice(std::uint64_t publisher, const Me
   slice->received_ns = merged.received_ns;
   slice->merged = 0;
   slice->merged_objects.clear();
-  slice->has_odd_columns = false;  // a spare sample still says what it was
+  slice->has_odd_columns = false;  // a spare sample still has its old value
   slice->flags = merged.flags | (teleported ? wire_contract::kPosesTeleported : 0);
   slice->object_numbers.clear();
   slice->poses.clear();
@@ -227,7 +227,7 @@ void Inbox::unpack_merged(std::vector<Arrival>& arrivals) {
 
 std::unique_ptr<PoseSample> Inbox::PublisherLine::pop() {
   std::unique_ptr<PoseSample> sample = std::move(queue[head++].sample);
-  // The part that was taken is given up once it is the greater one, so that each batch is moved at most once.
+  // The consumed part is erased once it is the greater one, so that each batch is moved at most once.
   if (2 * head >= queue.size()) {
     queue.erase(queue.begin(), queue.begin() + static_cast<std::ptrdiff_t>(head));
     head = 0;
@@ -235,7 +235,7 @@ std::unique_ptr<PoseSample> Inbox::PublisherLine::pop() {
   return sample;
 }
 
-/// Of each publisher the batches of one instant, as far as they came before the next definition, news or job.
+/// Takes each publisher's batches of one instant, if they came before the next definition, news or job.
 void Inbox::take_instants(std::vector<Arrival>& arrivals) {
   const std::uint64_t until = ordered_.empty() ? next_place_ : ordered_.front().first;
   std::sort(busy_.begin(), busy_.end(),
@@ -252,7 +252,7 @@ void Inbox::take_instants(std::vector<Arrival>& arrivals) {
   std::erase_if(busy_, [](const PublisherLine* line) { return line->empty(); });
 }
 
-/// Definitions, news and jobs, as far as no poses that came before them wait.
+/// Takes definitions, news and jobs that have no earlier poses waiting before them.
 void Inbox::take_ordered(std::vector<Arrival>& arrivals) {
   std::uint64_t until = next_place_;
   for (const PublisherLine* line : busy_) until = std::min(until, line->first_place());

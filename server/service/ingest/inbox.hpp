@@ -26,16 +26,17 @@ struct WriterNews {
   bool alive = false;  // false: closed, or its lease ran out
 };
 
-/// Work for the world's thread, such as a command's part that changes the world.
+/// Work for the world's thread, such as a command that changes the world.
 using Job = std::function<void()>;
-/// What the world's thread takes from the inbox, one by one.
+/// An item that the world's thread takes from the inbox.
 using Arrival = std::variant<std::unique_ptr<DefinitionSample>, std::unique_ptr<PoseSample>, WriterNews, Job>;
 
-/// How much may wait for the world's thread. Beyond it poses are merged, definitions stay with DDS, jobs are refused.
+/// Limits on what waits for the world's thread. Beyond them poses are merged, definitions stay with DDS, jobs are
+/// refused.
 struct InboxLimits {
   std::size_t batches = 512;             // of poses, unmerged
   std::size_t poses = 1 << 20;           // in those batches
-  std::size_t own_batches = 8;           // of one publisher, unmerged where others have reached the limits
+  std::size_t own_batches = 8;           // of one publisher, unmerged while others have reached the limits
   std::size_t merged_objects = 200'000;  // of all publishers together
   std::size_t merged_publishers = 1'000;
   std::size_t definition_bytes = std::size_t{256} << 20;  // samples with their encoded shapes
@@ -45,45 +46,46 @@ struct InboxLimits {
 /// Poses that never reach the world's thread; the counts only grow.
 struct InboxCounts {
   std::uint64_t poses_superseded = 0;  // a newer pose of the same object replaced it while it waited
-  std::uint64_t poses_dropped = 0;  // not even merging had room: an object or publisher too many; or a malformed batch
+  std::uint64_t poses_dropped = 0;  // merging had no room either: an object or publisher too many; or a malformed batch
 };
 
-/// The queue from the listeners to the world's thread. It is taken in rounds: of each publisher one instant's poses, so
-/// that who has sent a hundred instants at once does not keep the others waiting while the world steps through them. What
-/// one publisher sent stays in order; definitions, news and jobs come after everything that arrived before them, and
-/// before everything after.
+/// The queue from the listeners to the world's thread. It is taken in rounds: one instant's poses of each publisher, so
+/// that a publisher that has sent a hundred instants at once does not keep the others waiting while the world steps
+/// through them. Samples of one publisher stay in order; definitions, news and jobs come after everything that arrived
+/// before them, and before everything after.
 ///
 /// Definitions and news are never dropped: beyond the limit definitions stay with DDS, which keeps the newest of each
-/// object. Poses beyond the limits are merged to the newest of each object, so a slow world skips motion in between while
-/// its memory stays bounded. Publishers that have sent little are not merged because others have sent much, until as much
-/// again waits.
+/// object. Poses beyond the limits are merged to the newest of each object, so a slow world skips motion in between
+/// while its memory stays bounded. A publisher that has sent little is not merged because others have sent much, until
+/// twice the limit waits.
 ///
 /// threads  any may push; one takes
 class Inbox {
  public:
   explicit Inbox(const InboxLimits& limits = {}) : limits_(limits) {}
 
-  /// A sample to fill, with the memory of an earlier one where there is one; its old values are still in it.
+  /// A sample to fill, with the memory of an earlier one if there is one; its old values are still in it.
   std::unique_ptr<PoseSample> spare();
   /// Keeps the sample's memory for a later spare().
   void give_back(std::unique_ptr<PoseSample> sample);
 
-  /// Taken even beyond the limit: ask has_room_for_definitions() first.
+  /// Accepted even beyond the limit: ask has_room_for_definitions() first.
   void push(std::unique_ptr<DefinitionSample> sample);
-  /// Merged with those that wait where the limits are reached.
+  /// Merged with waiting ones if the limits are reached.
   void push(std::unique_ptr<PoseSample> sample);
   void push(const WriterNews& news);
   /// False: leave definitions with DDS for now.
   bool has_room_for_definitions() const;
-  /// False: too many jobs wait already, and this one is not taken.
+  /// False: too many jobs wait already, and this one is refused.
   [[nodiscard]] bool push_job(Job job);
-  /// Taken even beyond the limit: for jobs of the server itself, of which few wait at a time.
+  /// Accepted even beyond the limit: for jobs of the server itself, of which few wait at a time.
   void push_own_job(Job job);
-  /// Makes the take_round() that waits, or else the next one, return at once.
+  /// Makes the waiting take_round(), or else the next one, return at once.
   void wake();
 
-  /// Moves the next round into `arrivals`, which is cleared first; merged poses come once nothing else of their publisher
-  /// waits. Waits for something to arrive, at most until the given time; returns with nothing then, or when woken.
+  /// Moves the next round into `arrivals`, which is cleared first; merged poses come once nothing else of their
+  /// publisher waits. Waits for something to arrive, at most until the given time; then, or when woken, it returns
+  /// nothing.
   void take_round(std::chrono::steady_clock::time_point until, std::vector<Arrival>& arrivals);
   /// Any thread.
   InboxCounts counts() const;
@@ -96,24 +98,24 @@ class Inbox {
     std::uint64_t definitions_through = 0;
     std::int64_t source_time_ns = 0;  // of the batch merged last that has a time
     std::int64_t received_ns = 0;
-    std::uint8_t flags = 0;                  // those that say something of the publisher, not of the batch
+    std::uint8_t flags = 0;                  // those about the publisher, not the batch
     NumberIndex index;                       // object number to place
     std::vector<std::uint32_t> numbers;      // object numbers, by place
     std::vector<double> poses;               // kPoseNumbers each, by place
-    std::vector<std::uint8_t> teleported;    // 1: one of the poses merged here was a teleport
+    std::vector<std::uint8_t> teleported;    // 1: a pose merged here was a teleport
     std::vector<std::uint8_t> has_replaced;  // by place: 1: the pose replaced an earlier one
-    std::uint32_t replaced = 0;              // poses that newer ones replaced
+    std::uint32_t replaced = 0;              // poses replaced by newer ones
 
     void clear();
   };
-  /// What waits of one publisher, in order; the queue keeps its memory.
+  /// One publisher's waiting samples, in order; the queue keeps its memory.
   struct PublisherLine {
     struct Waiting {
       std::uint64_t place = 0;  // among all arrivals
       std::unique_ptr<PoseSample> sample;
     };
     std::vector<Waiting> queue;
-    std::size_t head = 0;     // the first of the queue that was not taken
+    std::size_t head = 0;     // the first not taken of the queue
     bool is_merging = false;  // poses were merged since the queue was last empty
 
     bool empty() const { return head == queue.size(); }
@@ -145,7 +147,7 @@ class Inbox {
   std::map<std::uint64_t, Merged> merged_;  // by publisher
   std::size_t merging_lines_ = 0;
   std::size_t merged_count_ = 0;  // objects in merged_
-  std::size_t batch_count_ = 0;   // these four: what waits
+  std::size_t batch_count_ = 0;   // these four: waiting items
   std::size_t pose_count_ = 0;
   std::size_t job_count_ = 0;
   std::size_t definition_bytes_ = 0;

@@ -14,7 +14,7 @@
 namespace collided::engine::service {
 namespace {
 
-/// Ends the process where memory runs out in a callback: a taken sample does not come again, and no exception may pass
+/// Ends the process if memory runs out in a callback: a taken sample does not come again, and no exception may pass
 /// through DDS, which is C.
 template <class Take>
 void take_or_end(Take&& take) {
@@ -34,7 +34,7 @@ bool PublisherLiveliness::admits(std::uint64_t handle, std::uint64_t publisher, 
   auto found = writers_.find(handle);
   if (found == writers_.end()) {
     NumberOwner owner = owner_of();
-    // A writer that is gone holds nothing: what it said under a number would stay for ever.
+    // A writer that is gone owns nothing: its claim of a number would last for ever.
     if (owner.participant == 0) return false;
     found = writers_.emplace(handle, Writer{.owner = std::move(owner), .publishers = {}}).first;
   }
@@ -56,7 +56,7 @@ void PublisherLiveliness::let_go(std::uint64_t handle, const Writer& writer) {
 void PublisherLiveliness::liveliness(const dds::Liveliness& change) {
   const std::lock_guard lock(mutex_);
   const bool alive = change.alive > alive_;
-  // A writer whose lease ran out counts as not alive and may return under the same handle; one that is gone counts as
+  // A writer whose lease ran out counts as not alive and may return under the same handle; a departed one counts as
   // neither.
   const bool is_gone = !alive && change.not_alive <= not_alive_;
   alive_ = change.alive;
@@ -66,7 +66,7 @@ void PublisherLiveliness::liveliness(const dds::Liveliness& change) {
   Writer& writer = found->second;
   if (alive) {
     writer.is_alive = true;
-    // Meanwhile another participant may have taken a number over.
+    // Another participant may have acquired a number meanwhile.
     std::erase_if(writer.publishers,
                   [&](std::uint64_t publisher) { return !owners_.claim(publisher, writer.owner, change.last_writer); });
     for (const std::uint64_t publisher : writer.publishers)
@@ -85,7 +85,7 @@ void PublisherLiveliness::keep_only(std::span<const std::uint64_t> matched) {
     const auto here = at++;
     auto& [handle, writer] = *here;
     const bool is_missing = !there.contains(handle);
-    // One that was heard while the handles were listed is missing once, and is there the next time.
+    // A writer that was first heard while the handles were listed is missing once, but not the next time.
     if (!std::exchange(writer.is_missed, is_missing) || !is_missing) continue;
     let_go(handle, writer);
     writers_.erase(here);
@@ -127,7 +127,7 @@ Listeners::Listeners(const dds::Participant& participant, const std::string& nam
                                        },
                                    // With keys, each right to send queries is a partition.
                                    .partition = peers == nullptr ? "" : "*"}) {
-  // A callback that came before its reader was there has left the samples with it.
+  // A callback before its reader existed has left the samples in it.
   has_readers_.store(true);
   take_definitions(object_reader_.taker());
   take_poses(pose_reader_.taker());
@@ -140,14 +140,14 @@ std::vector<std::uint64_t> Listeners::query_owners() {
   return owners;
 }
 
-/// Whom a writer of definitions or poses belongs to. With keys, who has proved nothing holds nothing.
+/// The owner of a writer of definitions or poses. With keys, a writer that has proved nothing owns nothing.
 NumberOwner Listeners::owner_of(Participants& known, dds_entity_t reader, std::uint64_t writer) const {
   const QuerySender& from = known.of(reader, writer);
   if (peers_ == nullptr) return from.participant;
   return from.peer ? NumberOwner(from.participant, from.peer->name) : NumberOwner(0);
 }
 
-/// Why the keys of the writer do not allow this object; empty where they do.
+/// Why the writer's keys do not allow this object; empty: they do.
 std::string Listeners::why_not_allowed(const wire::Definition& definition, std::uint64_t writer) {
   if (peers_ == nullptr || definition.removed) return {};
   const QuerySender& from = definers_.of(object_reader_.get(), writer);
@@ -168,7 +168,7 @@ void Listeners::take_left_definitions() {
 void Listeners::take_definitions(const dds::Taker<wire::Definition>& taker) {
   const std::lock_guard lock(taking_definitions_);
   while (has_readers_.load()) {
-    // What is left with DDS is taken by take_left_definitions() later.
+    // take_left_definitions() later takes the definitions left with DDS.
     if (!inbox_.has_room_for_definitions()) {
       definitions_left_.store(true);
       return;

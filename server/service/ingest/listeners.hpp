@@ -20,26 +20,26 @@
 
 namespace collided::engine::service {
 
-/// Learns from samples which publishers are behind which DDS writer, has each number used by its owner alone, and tells
-/// the inbox which publisher's writer has come alive or is gone.
+/// Learns from samples which publishers are behind which DDS writer, lets only a number's owner use it, and notifies
+/// the inbox when a publisher's writer has come alive or is gone.
 ///
 /// threads  any; DDS calls it from its own
 class PublisherLiveliness {
  public:
   PublisherLiveliness(Inbox& inbox, PublisherOwners& owners, WriterKind kind)
       : inbox_(inbox), owners_(owners), kind_(kind) {}
-  /// Whether a sample under this number may be taken.
+  /// Whether a sample under this number is accepted.
   ///
   /// writer    its publication handle
-  /// owner_of  called where the writer is new
+  /// owner_of  called if the writer is new
   bool admits(std::uint64_t writer, std::uint64_t publisher, FunctionRef<NumberOwner()> owner_of);
   /// Drops the writers that are not among the matched ones and were not at the last call either: DDS names only the
-  /// last of several that go at once.
+  /// last of several that leave at once.
   void keep_only(std::span<const std::uint64_t> matched);
   /// A change in DDS's counts of live and silent writers. One that has sent no sample yet is not known and not
   /// reported.
   void liveliness(const dds::Liveliness& change);
-  /// DDS says that the publisher's instance has no writer left.
+  /// DDS reports that the publisher's instance has no writer left.
   void lost(std::uint64_t publisher);
 
  private:
@@ -56,29 +56,29 @@ class PublisherLiveliness {
   const WriterKind kind_;
   std::mutex mutex_;
   std::map<std::uint64_t, Writer> writers_;  // by handle
-  std::uint32_t alive_ = 0;                  // DDS's counts as of the last change
+  std::uint32_t alive_ = 0;                  // DDS's counts at the last change
   std::uint32_t not_alive_ = 0;
 };
 
-/// The DDS readers of everything that comes in: definitions, poses, questions. Their callbacks take, stamp and hand
-/// over; they decide nothing. All that the constructor is given by reference or pointer must outlive this.
+/// The DDS readers of everything that comes in: definitions, poses, questions. Their callbacks take, stamp and pass on;
+/// they decide nothing. References and pointers given to the constructor must outlive this.
 class Listeners {
  public:
-  /// name_space  whose publishers are heard
-  /// flight  records definitions and poses (Answering records the questions); null: none
-  /// peers   who may what; null: no keys
-  /// place   where this server is asked, and whether it answers; if not, questions are dropped unless Answering holds them
+  /// name_space  whose publishers are received
+  /// flight      records definitions and poses (Answering records the questions); null: none
+  /// peers       rights by key; null: no keys
+  /// place       where this server receives questions, and whether it answers; if not, questions are dropped unless
+  ///             Answering holds them
   Listeners(const dds::Participant& participant, const std::string& name_space, const WorldClock& clock, Inbox& inbox,
             Answering& answering, FlightRecorder* flight, KeyedPeers* peers, const Place& place);
 
-  /// Whom the numbers of clients that are there may belong to: the query writers that are matched now, or with keys
-  /// their participants. One thread.
+  /// Possible owners of the live clients' numbers: the query writers that are matched now, or with keys their
+  /// participants. One thread.
   std::vector<std::uint64_t> query_owners();
 
-  /// Takes the definitions that were left with DDS because the inbox was full. To be called now and then, from one
-  /// thread.
+  /// Takes the definitions that were left with DDS because the inbox was full. Call this regularly, from one thread.
   void take_left_definitions();
-  /// Drops publishers whose writers went unnoticed. Called with the former.
+  /// Drops publishers whose writers left unnoticed. Called together with take_left_definitions().
   void drop_unmatched_writers();
   PublisherOwners& owners() { return owners_; }
 

@@ -7,11 +7,11 @@
 
 namespace collided::engine::service {
 
-/// From a publisher's object number to a place in a table. Numbers come from the publisher's pool, so most are small
+/// Maps a publisher's object number to a place in a table. Numbers come from the publisher's pool, so most are small
 /// and dense, and one array access finds them; huge ones cost a hash look-up.
 class NumberIndex {
  public:
-  /// find() of a number that was not set.
+  /// Result of find() for an unknown number.
   static constexpr std::uint32_t kNone = 0xffffffff;
 
   /// The place of a number, or kNone.
@@ -33,7 +33,7 @@ class NumberIndex {
     dense_.clear();
     sparse_.clear();
   }
-  /// Like clear(), but keeps the memory and costs only as much as `numbers`, which must be all that are set.
+  /// Like clear(), but keeps the memory and costs only as much as `numbers`, which must be all known numbers.
   void forget(const std::vector<std::uint32_t>& numbers) {
     for (const std::uint32_t number : numbers) {
       if (number < kDenseNumbers) dense_[number] = kNone;
@@ -56,7 +56,7 @@ class NumberIndex {
 template <class Record>
 class ObjectNumbers {
  public:
-  /// Null where the number is not known.
+  /// Null if the number is not known.
   Record* find(std::uint32_t number) {
     const std::uint32_t place = index_.find(number);
     return place == NumberIndex::kNone ? nullptr : &records_[place];

@@ -32,8 +32,8 @@ Publishers::Publisher* Publishers::add(std::uint64_t id) {
   return publishers_.emplace(id, std::move(publisher)).first->second.get();
 }
 
-/// Finds the publisher of a sample, or adds it; none where the sample is late or there is no room. A greater
-/// incarnation is a restart: the objects of the earlier run are removed.
+/// Finds the publisher of a sample, or adds it; none if the sample is late or there is no room. A greater incarnation
+/// is a restart: the objects of the earlier run are removed.
 Applied Publishers::meet(std::uint64_t id, std::uint64_t incarnation, Publisher*& met) {
   met = nullptr;
   Publisher* publisher = find(id);
@@ -139,7 +139,7 @@ void Publishers::pop_parked(Publisher& publisher, std::size_t bytes) {
   --parked_count_;
 }
 
-/// The publisher that has parked the most loses its oldest batches, so that one cannot push out what others have parked.
+/// The publisher that has parked the most loses its oldest batches, so that one cannot displace the batches of others.
 void Publishers::make_room_to_park(std::size_t bytes) {
   while (parked_count_ > 0 && parked_bytes_ + bytes > limits_.parked_bytes) {
     const auto most =
@@ -176,7 +176,7 @@ Applied Publishers::release_parked(std::int64_t now_ns) {
   return Applied::done;
 }
 
-/// Looks up the batch's records into records_. False: one of the objects was defined or moved in this step already.
+/// Looks up the batch's records into records_. False: one of the objects was already defined or moved in this step.
 bool Publishers::find_all(Publisher& publisher, const PoseSample& sample) {
   const std::vector<std::uint32_t>& numbers = sample.object_numbers;
   for (std::size_t i = 0; i < numbers.size(); ++i) {
@@ -198,14 +198,14 @@ Applied Publishers::take_batch(Publisher& publisher, PoseSample& sample, std::in
   return Applied::done;
 }
 
-/// Applies all batches of an instant within one step, so that no question sees a robot's links half moved.
+/// Applies all batches of an instant within one step, so that no question finds a robot's links half moved.
 Applied Publishers::apply_instant(Publisher& publisher, const PoseSample& last, std::int64_t now_ns) {
   if (!publisher.said_again.empty() && last.sequence > 0 &&
       take_said_again(publisher, last.sequence) == Applied::step_first)
     return Applied::step_first;
   const bool is_alone = last.is_only_alive() && publisher.parts.empty();
-  // An empty batch without a stamp has no time. A publisher that never stamps, however, says with it that its objects have
-  // rested until now.
+  // An empty batch without a stamp has no time. From a publisher that never stamps, however, it means that its objects
+  // have rested until now.
   const bool has_instant = !is_alone || (last.source_time_ns == 0 && publisher.clock.is_without_stamps());
   if (has_instant && (last.flags & wire_contract::kPosesBringsObjects) != 0) {
     publisher.brings_objects = true;
@@ -270,18 +270,18 @@ void Publishers::apply_batch(Publisher& publisher, const PoseSample& sample, con
   if (counts_.poses_applied != before) ++changes_;
 }
 
-/// Its objects may move on without a word, so they are known only up to one gap before.
+/// Its objects may move on unreported, so they are known only up to one gap before.
 void Publishers::note_alive(Publisher& publisher, const PoseSample& sample) {
   if (sample.source_time_ns == 0) return;
   SourceClock& clock = publisher.clock;
-  // From its first word on a publisher's time is its own, also where that names no object.
+  // From its first message on a publisher has its own time, even if that message names no object.
   const std::optional<std::int64_t> time_ns = clock.has_started()
                                                   ? clock.alive_at(sample.source_time_ns, sample.received_ns)
                                                   : clock.stamp(sample.source_time_ns, sample.received_ns).time_ns;
   if (time_ns && world_.advance(publisher.id, *time_ns, true)) ++changes_;
 }
 
-/// One long pause is an object that rested; several in a row are a source that is slower than its gap.
+/// One long pause is an object that rested; several in a row mean that the source is slower than its gap.
 void Publishers::note_period(Publisher& publisher, std::int64_t time_ns) {
   constexpr std::uint32_t kSeveral = 3;
   const std::int64_t period_ns = time_ns - std::exchange(publisher.instant_ns, time_ns);
@@ -309,7 +309,7 @@ void Publishers::refuse(const Publisher& publisher, const Record* record, const 
                      counts_.poses_refused));
 }
 
-/// Whether a pose is valid and newer than what is known; if so, the record holds it.
+/// Whether a pose is valid and newer than the known one; if so, the record holds it.
 bool Publishers::accept(const Publisher& publisher, const PoseSample& sample, std::size_t index, Record* record) {
   if (!record || record->place == Place::gone) {
     ++counts_.poses_unknown;
@@ -367,7 +367,7 @@ PublisherView Publishers::view(const Publisher& publisher, std::int64_t now_ns) 
   using wire_contract::PublisherState;
   const std::int64_t silent_ns = now_ns - publisher.heard_ns;
   const PublisherState heard = silent_ns > limits_.silent_after_ns ? PublisherState::silent : PublisherState::alive;
-  // Its definitions were sent while there was no room for it, so they come only if they are asked for.
+  // Its definitions were sent while there was no room for it, so they come only on request.
   const bool lacks_definitions =
       !publisher.parked.empty() && now_ns - publisher.parked.front().received_ns > limits_.asked_after_ns;
   const PublisherState here = lacks_definitions ? PublisherState::asked : heard;

@@ -1,4 +1,4 @@
-// Definitions of publishers' objects: which name is whose, and what is in the world.
+// Definitions of publishers' objects: which object has a name, and which are in the world.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ bool is_same(const Pose& a, const Pose& b) {
 
 }  // namespace
 
-/// A sample counts as seen even where its definition is refused: batches that wait for it must not wait for ever.
+/// A sample counts as seen even if its definition is refused: batches must not wait for it for ever.
 Applied Publishers::define(DefinitionSample& sample, std::int64_t now_ns) {
   Publisher* publisher = nullptr;
   if (meet(sample.publisher, sample.incarnation, publisher) == Applied::step_first) return Applied::step_first;
@@ -101,18 +101,18 @@ std::optional<std::string> Publishers::why_bad(const DefinitionSample& sample) c
   return std::nullopt;
 }
 
-/// Not only as the publisher posed it last: a command may have moved it while the publisher was away.
+/// Compares with the world too: a command may have moved the object while the publisher was away.
 bool Publishers::is_posed_at(const Record& record, const Pose& pose) const {
   return is_same(pose, record.pose) && !world_.has_moved(record.id) &&
          is_same(pose, world_.newest()->poses[slot_of(record.id)]);
 }
 
-/// The object is in the world just as the sample defines it.
+/// Whether the object is in the world exactly as the sample defines it.
 bool Publishers::is_there_already(const Record& record, const DefinitionSample& sample) const {
   return is_said_again(record, sample) && is_posed_at(record, std::get<Pose>(checked_pose(sample.pose)));
 }
 
-/// Likewise, maybe at another pose.
+/// The same, possibly at another pose.
 bool Publishers::is_said_again(const Record& record, const DefinitionSample& sample) const {
   if (record.place != Place::in_world || record.is_claim || sample.claims) return false;
   if (world_.info(record.id) == nullptr) return false;  // a command has removed it
@@ -143,13 +143,13 @@ void Publishers::apply_definition(Publisher& publisher, Record& record, Definiti
                        printable(publisher.name), *reason, counts_.definitions_refused));
     return;
   }
-  // A publisher that was away for a moment defines everything again; nobody else is to notice.
+  // A publisher that was away briefly defines everything again; no subscriber should notice.
   if (is_there_already(record, sample)) {
     record.described->why_left_out.clear();
     ++counts_.definitions_applied;
     return;
   }
-  // To subscribers a renamed object is another one.
+  // To subscribers a renamed object is a new one.
   const bool renamed = record.place == Place::in_world && record.described->definition.name != sample.name;
   leave(record, renamed ? EndReason::removed : EndReason::geometry_changed);
   record.pose = std::get<Pose>(checked_pose(sample.pose));
@@ -173,8 +173,8 @@ void Publishers::apply_definition(Publisher& publisher, Record& record, Definiti
   ++counts_.definitions_applied;
 }
 
-/// Puts objects into the world that were elsewhere, as of their publisher's last instant: the next one, which knows their
-/// definitions, is at hand.
+/// Puts objects that were in other shards into the world, at their publisher's last instant: the next one, which has
+/// their definitions, is at hand.
 void Publishers::enter_with_instant(Publisher& publisher, std::uint64_t definitions_through) {
   std::erase_if(publisher.entering, [&](std::uint32_t number) {
     Record* const record = publisher.objects.find(number);
@@ -213,7 +213,7 @@ void Publishers::enter(Publisher& publisher, Record& record) {
   ++counts_.definitions_applied;
 }
 
-/// What keeps the object out of the world for now; empty: nothing.
+/// Why the object is not in the world for now; empty: nothing prevents it.
 std::string Publishers::why_waits(const Record& record) const {
   const std::optional<ObjectId> holder = world_.find(record.described->definition.name);
   const ObjectInfo* const info = holder ? world_.info(*holder) : nullptr;
@@ -243,8 +243,8 @@ void Publishers::wait(const Publisher& publisher, Record& record, std::string wh
                      record.described->why_left_out, counts_.name_conflicts));
 }
 
-/// Removes the object of a lost publisher for one of the same name; mostly it is the same program, restarted. One that
-/// it had claimed goes back to the world.
+/// Removes the object of a lost publisher in favour of one of the same name, which is mostly the same program,
+/// restarted. A claimed object is released to the world.
 void Publishers::make_lost_give_way(std::string_view name) {
   const std::optional<ObjectId> owner = world_.find(name);
   const ObjectInfo* info = owner ? world_.info(*owner) : nullptr;
@@ -269,7 +269,7 @@ void Publishers::make_lost_give_way(std::string_view name) {
   record.place = Place::taken_away;
 }
 
-/// Defines an object that the world has again, as one of the publisher: shape, filter and scene stay.
+/// Defines an existing object again, as one of the publisher: shape, filter and scene stay.
 std::variant<ObjectId, Refusal> Publishers::take_over(ObjectId there, ObjectDefinition& definition) {
   ObjectDefinition taken = definition_of(*world_.info(there), definition.pose);
   taken.lost_policy = definition.lost_policy;
@@ -298,7 +298,7 @@ void Publishers::leave(Record& record, EndReason reason) {
   ++changes_;
 }
 
-/// A claim outlives its object: what a command has removed may come again with its scene.
+/// A claim outlives its object: an object removed by a command may return with its scene.
 void Publishers::find_lost_claims() {
   std::erase_if(claims_, [this](const auto& claim) {
     Publisher* publisher = find(claim.first);

@@ -1,4 +1,4 @@
-// Publishers that come and go: what becomes of their objects, and when a publisher is forgotten.
+// Publishers that come and go: their objects, and when a publisher is forgotten.
 #include "server/service/ingest/publishers.hpp"
 
 #include <fmt/format.h>
@@ -27,7 +27,7 @@ Applied Publishers::writer_lost(std::uint64_t id, WriterKind kind, std::int64_t 
   publisher->lost_ns = now_ns;
   publisher->parts.clear();
   world_.lose(publisher->id);
-  ++changes_;  // no pair waits for the lost publisher's time any more
+  ++changes_;  // pairs no longer wait for the lost publisher's time
   bool left_nothing = true;
   for (const Record& record : publisher->objects.records()) {
     left_nothing = left_nothing && record.place == Place::gone;
@@ -35,7 +35,7 @@ Applied Publishers::writer_lost(std::uint64_t id, WriterKind kind, std::int64_t 
     world_.set_stale(record.id, true);
     ++changes_;
   }
-  // A publisher that removed all its objects before it left is no loss. It stays known for a while, for questions that
+  // A publisher that removed all its objects before it left is not lost. It stays known for a while, for questions that
   // wait for its last sample.
   publisher->took_leave = left_nothing;
   publisher->is_frozen = !left_nothing;
@@ -55,7 +55,7 @@ void Publishers::notice_loss(Publisher& publisher) {
       name, static_cast<double>(limits_.forget_after_ns) * wire_contract::kNanosecond_s));
 }
 
-/// What is to be removed leaves with its publisher and comes back with it.
+/// Objects with the policy remove leave with their publisher and return with it.
 void Publishers::apply_lost_policies(Publisher& publisher) {
   publisher.is_frozen = false;
   for (Record& record : publisher.objects.records()) {
@@ -72,7 +72,7 @@ void Publishers::apply_lost_policies(std::int64_t now_ns) {
   }
 }
 
-/// The publisher that was lost first, of those whose policies wait or of all. Null: there is none.
+/// The first publisher to be lost, of those whose policies wait or of all. Null: there is none.
 Publishers::Publisher* Publishers::first_lost(bool is_frozen) const {
   Publisher* first = nullptr;
   for (const auto& [id, publisher] : publishers_) {
@@ -82,7 +82,7 @@ Publishers::Publisher* Publishers::first_lost(bool is_frozen) const {
   return first;
 }
 
-/// In a full world what a lost publisher has left gives way to what a living one brings.
+/// In a full world the objects of lost publishers give way to those of live ones.
 void Publishers::make_room_for_object() {
   while (lost_count_ > 0 && world_.is_full()) {
     Publisher* const publisher = first_lost(true);
@@ -145,7 +145,7 @@ void Publishers::settle(std::int64_t now_ns) {
   if (!waiting_.empty()) retry_names();
   for (auto& [id, publisher] : publishers_) {
     publisher->watermark.settle(now_ns);
-    // One that has to be placed right after a step waits for the next call.
+    // An object that has to be placed right after a step waits for the next call.
     if (!publisher->said_again.empty())
       static_cast<void>(take_said_again(*publisher, publisher->watermark.through() + 1));
   }

@@ -1,5 +1,5 @@
-// Definitions that a publisher has said again: they come on another topic than batches, and may overtake some. Taken at once
-// they would place an object that moves, and the batches behind them would count as late.
+// Repeated definitions: they arrive on another topic than batches, and may overtake some. Applied at once they would
+// place a moving object, and the batches behind them would count as late.
 #include <vector>
 
 #include "server/service/ingest/publishers.hpp"
@@ -7,14 +7,14 @@
 
 namespace collided::engine::service {
 
-/// Until the next batch, or as long as a gap is waited for.
+/// They wait for the next batch, or for the gap's time.
 void Publishers::wait_for_batches(Publisher& publisher, const DefinitionSample& sample) {
   publisher.said_again.push_back(
       {.number = sample.object_number, .sequence = sample.sequence, .pose = std::get<Pose>(checked_pose(sample.pose))});
 }
 
-/// Takes those from before that number, since every batch before them has come or will never come. step_first: one of them
-/// has to be placed and was touched in this step; what is left is taken when it is called again.
+/// Applies those from before that number, since every batch before them has come or will never come. step_first: one of
+/// them must be placed but was touched in this step; the rest is applied by the next call.
 Applied Publishers::take_said_again(Publisher& publisher, std::uint64_t before) {
   bool is_step_first = false;
   std::erase_if(publisher.said_again, [&](const SaidAgain& said) {
@@ -34,7 +34,7 @@ Applied Publishers::take_said_again(Publisher& publisher, std::uint64_t before) 
   return is_step_first ? Applied::step_first : Applied::done;
 }
 
-/// What moved it there was lost.
+/// The poses that moved it there were lost.
 void Publishers::place_again(Publisher& publisher, Record& record, const SaidAgain& said) {
   leave(record, EndReason::geometry_changed);
   record.pose = said.pose;

@@ -10,7 +10,7 @@ namespace collided::engine::service {
 
 /// How far one publisher's samples have been applied without a gap. Definitions and poses share one series of numbers
 /// but come on two topics, each in order. A number that both topics have passed will never come, since a newer sample
-/// has replaced it; a number that only one topic has passed may still be under way on the other for a while.
+/// has replaced it; a number that only one topic has passed may still be in flight on the other for a while.
 ///
 /// threads  one
 class SequenceWatermark {
@@ -18,7 +18,7 @@ class SequenceWatermark {
   /// A gap older than this counts as lost: reliable delivery between two processes in one network takes far less.
   static constexpr std::int64_t kGapPatienceNs = 100'000'000;
 
-  /// To be called when a sample was applied or refused for good: it is no longer waited for.
+  /// Call this when a sample was applied or finally refused: it is no longer awaited.
   void apply_definition(std::uint64_t sequence, std::int64_t now_ns) {
     definitions_ = std::max(definitions_, sequence);
     note(sequence, now_ns);
@@ -34,7 +34,7 @@ class SequenceWatermark {
   std::uint64_t through() const { return through_; }
 
  private:
-  /// DDS keeps no more under way, so a longer list means that the gap before it is lost.
+  /// DDS keeps no more in flight, so a longer list means that the gap before it is lost.
   static constexpr std::size_t kMostAhead = wire_contract::kPoseTopic.keep_last;
   void note(std::uint64_t sequence, std::int64_t now_ns);
   void absorb();

@@ -29,7 +29,7 @@ WorldStamp SourceClock::stamp(std::int64_t source_ns, std::int64_t received_ns) 
   note_transit(source_ns, received_ns);
   source_ns_ = source_ns;
   received_ns_ = received_ns;
-  // World time never falls, not even over a jump: what was reported before it stays valid.
+  // World time never decreases, not even at a jump: earlier reports stay valid.
   newest_ns_ = std::max(newest_ns_ + (jumped ? 1 : 0), time_ns);
   return {newest_ns_, jumped ? StampKind::jumped : StampKind::good};
 }
@@ -40,15 +40,16 @@ std::optional<std::int64_t> SourceClock::alive_at(std::int64_t source_ns, std::i
   return source_ns + offset_ns_;
 }
 
-/// Whether a stamp is a jump ahead: farther on than the server's time since the last stamp, and in the server's future.
-/// The second test spares batches that a network held back: they come together, but their stamps lie in the past.
+/// Whether a stamp is a jump ahead: it has advanced by more than the server's time since the last stamp, and lies in
+/// the server's future. The second test spares batches that a network held back: they come together, but their stamps
+/// lie in the past.
 bool SourceClock::is_ahead_of_time(std::int64_t source_ns, std::int64_t received_ns) const {
   const bool is_faster = source_ns - source_ns_ > kMostOffNs + std::max<std::int64_t>(0, received_ns - received_ns_);
   return is_faster && source_ns + offset_ns_ > received_ns + kMostOffNs;
 }
 
-/// Whether a clock that seemed to be behind is not: its first batch was long on its way, and this one was not. Every server
-/// comes to that, whenever it first hears the publisher.
+/// Whether a clock that seemed to be behind is not: its first batch was delayed, and this one was not. Every server
+/// decides the same, whenever it first hears the publisher.
 bool SourceClock::was_only_late(std::int64_t source_ns, std::int64_t received_ns) const {
   return offset_ns_ > 0 && received_ns - source_ns <= kMostOffNs && received_ns - source_ns >= -kMostOffNs;
 }

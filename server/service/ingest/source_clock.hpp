@@ -10,19 +10,19 @@ namespace collided::engine::service {
 
 /// How a publisher's stamp was turned into world time.
 enum class StampKind : std::uint8_t {
-  good,    // taken as it is
-  none,    // the batch has no stamp: the time of its reception counts
+  good,    // used unchanged
+  none,    // the batch has no stamp: the time of its reception is used
   jumped,  // the clock went back or ahead by more than a lease: no motion connects the poses
-  late,    // before an earlier stamp: counts as the next nanosecond, since where things are now is news all the same
+  late,    // before an earlier stamp: becomes the next nanosecond, since current poses are news all the same
 };
 
 /// A batch's time in the world.
 struct WorldStamp {
-  std::int64_t time_ns = 0;  // world time; never falls
+  std::int64_t time_ns = 0;  // world time; never decreases
   StampKind kind = StampKind::good;
 };
 
-/// Turns one publisher's stamps into world time, which is the publishers' own: a stamp is taken as it is, to the
+/// Turns one publisher's stamps into world time, which is the publishers' own: a stamp is used unchanged, to the
 /// nanosecond. Only a clock that is more than a lease off the server's (nanoseconds since boot, another epoch) gets an
 /// offset, such that its first batch happened when it was received; so does a clock after a jump. It loses the offset,
 /// with a jump, once a batch comes in time: then only the first one was late.
@@ -30,7 +30,7 @@ struct WorldStamp {
 /// threads  one
 class SourceClock {
  public:
-  /// Clocks that differ by no more than this are taken as one.
+  /// Clocks that differ by no more than this are treated as equal.
   static constexpr std::int64_t kMostOffNs = wire_contract::kPublisherLeaseNs;
 
   /// The world time of the next batch.
@@ -43,12 +43,12 @@ class SourceClock {
   std::optional<std::int64_t> alive_at(std::int64_t source_ns, std::int64_t received_ns) const;
   /// Whether a good stamp has come.
   bool has_started() const { return started_; }
-  /// Whether the last batch had no stamp. From such a publisher even an empty batch tells something: nothing moved
-  /// until now.
+  /// Whether the last batch had no stamp. From such a publisher even an empty batch is informative: nothing moved until
+  /// now.
   bool is_without_stamps() const { return is_without_stamps_; }
   /// Shortest time from stamp to reception within the last one to two seconds, ns: the transport's delay plus how far
-  /// the publisher's clock is behind the server's. Negative where the clock is ahead by more than the delay. Nothing
-  /// where no stamp was good, or the clock has an offset.
+  /// the publisher's clock is behind the server's. Negative if the clock is ahead by more than the delay. Nothing if no
+  /// stamp was good, or the clock has an offset.
   std::optional<std::int64_t> behind_ns() const;
 
  private:
@@ -61,9 +61,9 @@ class SourceClock {
 
   bool started_ = false;
   bool is_without_stamps_ = false;
-  std::int64_t offset_ns_ = 0;    // world time minus the publisher's; 0 within kMostOffNs
+  std::int64_t offset_ns_ = 0;    // world time minus the publisher's; 0 if within kMostOffNs
   std::int64_t source_ns_ = 0;    // of the last good stamp
-  std::int64_t received_ns_ = 0;  // the same batch's reception
+  std::int64_t received_ns_ = 0;  // reception of the same batch
   std::int64_t newest_ns_ = 0;    // greatest world time so far
   std::int64_t window_began_ns_ = 0;
   std::int64_t least_ns_ = kNoBatch;         // shortest time from stamp to reception, in this window
