@@ -32,8 +32,8 @@ std::vector<std::string> known_flags() {
 /// Whether a text such as "-.5" or "-1,0,0:1,1,1" begins with a number.
 bool starts_as_number(const std::string& text) { return is_number(text.substr(0, text.find_first_of(",:"))); }
 
-/// Joins a number to the flag before it: "--unit -.5" becomes "--unit=-.5". A number is never an option, and so the
-/// complaint is about the value.
+/// Joins a number to the flag before it: "--unit -.5" becomes "--unit=-.5". A number is never an option, so the error
+/// message is about the value.
 std::vector<std::string> join_numbers(const std::vector<std::string>& arguments) {
   std::vector<std::string> joined;
   for (const std::string& argument : arguments) {
@@ -69,7 +69,7 @@ Flags read_flags(const std::vector<std::string>& arguments, Options& options) {
   Flags flags;
   CLI::App app;
   add_flags(app, options, flags);
-  // The parser takes its words last first.
+  // The parser takes its words in reverse order.
   std::vector<std::string> reversed = join_numbers(arguments);
   std::reverse(reversed.begin(), reversed.end());
   try {
@@ -99,7 +99,7 @@ std::vector<std::string> split_list(const std::string& text) {
   return items;
 }
 
-/// A setting's text from the place of the highest rank that has one.
+/// A setting's text from the source of the highest rank that has one.
 Effective find_value(const Setting& setting, const Flags& flags, const std::vector<FileValue>& file,
                      const Environment& environment) {
   Effective found{.setting = &setting, .values = {}, .origin = "default"};
@@ -162,7 +162,7 @@ std::string toml_value(const Effective& effective) {
     return fmt::format("[{}]", fmt::join(items, ", "));
   }
   const std::string& text = effective.values[0];
-  // Numbers and truths stand bare in TOML, all other texts in quotes.
+  // Numbers and booleans are bare in TOML, all other texts in quotes.
   const bool bare = parse_whole(text).has_value() || text == "true" || text == "false";
   return bare ? text : in_quotes(text);
 }

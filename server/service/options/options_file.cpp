@@ -91,7 +91,7 @@ std::string text_of_file(const std::string& path) {
   constexpr std::size_t kMostBytes = 1 << 20;
   std::ifstream file(path, std::ios::binary);
   if (!file) throw OptionsError(path + ": File could not be opened for reading");
-  // One byte more than is allowed, so that a longer file is seen to be one.
+  // One byte more than allowed, so that a longer file is detected.
   std::string text(kMostBytes + 1, '\0');
   file.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (file.bad()) throw OptionsError(path + ": it cannot be read");
@@ -100,7 +100,7 @@ std::string text_of_file(const std::string& path) {
   return text;
 }
 
-/// toml++ makes a table in a table of each dot in a key, and calls itself once for each of them.
+/// toml++ makes a nested table of each dot in a key, and calls itself once for each of them.
 void refuse_deep_keys(const std::string& path, std::string_view text) {
   constexpr std::size_t kMostDots = 64;
   std::size_t dots = 0, line = 1;

@@ -5,7 +5,7 @@
 
 namespace collided::engine::service {
 
-/// One value as it stands in the file.
+/// One value of the file.
 struct FileValue {
   std::string key;                  // "table.name", one of settings()
   std::vector<std::string> values;  // one, unless it is a list

@@ -10,7 +10,7 @@
 namespace collided::engine::service {
 namespace {
 
-/// Takes the number from the start of the text and leaves what follows it.
+/// Takes the number from the start of the text and leaves the rest.
 std::optional<double> take_number(std::string_view& text) {
   std::string_view digits = text;
   if (digits.starts_with('+')) digits.remove_prefix(1);

@@ -7,7 +7,7 @@
 
 namespace collided::engine::service {
 
-/// Whole numbers with optional '_' between digits; nothing where the text is anything else or out of range.
+/// Whole numbers with optional '_' between digits; nothing if the text is anything else or out of range.
 std::optional<std::int64_t> parse_whole(std::string_view text);
 
 /// Nanoseconds of "10ms", "1.5s", "200us", "2h"; the unit is required except for a plain 0.
@@ -16,14 +16,14 @@ std::optional<std::int64_t> parse_duration_ns(std::string_view text);
 /// Metres per unit, from a unit's name ("mm", "m", "in", ...) or a positive number of metres.
 std::optional<double> parse_unit_m(std::string_view text);
 
-/// Metres of "1um", "0.5", "2 mm": a finite length not below 0; metres where no unit is given.
+/// Metres of "1um", "0.5", "2 mm": a finite length not below 0; metres if no unit is given.
 std::optional<double> parse_length_m(std::string_view text);
 
 /// Metres of "X0,Y0,Z0:X1,Y1,Z1": the lower corner, then the upper one. Each number as in a length, but of any sign or
 /// infinite.
 std::optional<std::array<double, 6>> parse_box_m(std::string_view text);
 
-/// Whether it can begin the names of topics.
+/// Whether the name can begin the names of topics.
 bool is_namespace(std::string_view name);
 inline constexpr const char* kNamespaces = "1 to 64 letters, digits, '_' and '/', not starting with a digit";
 

@@ -21,7 +21,7 @@ Allowed apply_namespace(Options& options, Values values) {
   return std::nullopt;
 }
 
-/// Stores a whole number from `low` to `high`; `note` is added to what is said to be allowed.
+/// Stores a whole number from `low` to `high`; `note` is added to the text about allowed values.
 template <class T>
 Allowed apply_whole(T& field, Values values, std::int64_t low, std::int64_t high, const char* note = "") {
   const std::optional<std::int64_t> value = parse_whole(values[0]);
