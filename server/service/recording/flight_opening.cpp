@@ -27,7 +27,7 @@ void fold_as(FlightOpening& opening, std::span<const std::byte> data) {
   if (wire::read_cdr(data, sample)) opening.fold(*sample);
 }
 
-/// A query that borrows the blob. Of the text as much as fits: more are only packed.
+/// A query that borrows the blob and holds as much of the text as fits: longer texts are only packed.
 dds::Sample<wire::Query> query_of(std::uint64_t client, std::string_view text, std::span<const std::uint8_t> blob) {
   dds::Sample<wire::Query> query;
   query->client = client;
@@ -100,7 +100,7 @@ void FlightOpening::fold(std::span<const std::byte> records) {
   }
 }
 
-/// The publisher in its newest run; null for a sample of an earlier one, or where there are too many publishers.
+/// The publisher in its newest run; null for a sample of an earlier one, or if there are too many publishers.
 FlightOpening::Publisher* FlightOpening::meet(std::uint64_t id, std::uint64_t incarnation) {
   constexpr std::size_t kMostPublishers = 1'000;
   const bool known = publishers_.count(id) > 0;
@@ -124,7 +124,7 @@ void FlightOpening::forget(Publisher& publisher) {
   poses_ -= publisher.poses.size();
 }
 
-/// Takes an object that is about to be erased out of the sums.
+/// Subtracts an object that is about to be erased from the sums.
 void FlightOpening::drop(Publisher& publisher, std::uint32_t number, const Defined& defined) {
   bytes_ -= defined.bytes.size();
   --objects_;
@@ -234,7 +234,7 @@ void FlightOpening::fold_changes(const wire::Query& query) {
   }
 }
 
-/// What becomes of the shards is no part of the world.
+/// Changes of the shards are not part of the world.
 void FlightOpening::keep(KeptCommand command) {
   if (command.key.kind == KeptKind::succession) return;
   const bool has_room = command.text.size() < sizeof(wire::Query::text) || command.key.kind == KeptKind::fence;
@@ -245,7 +245,7 @@ void FlightOpening::keep(KeptCommand command) {
   ++left_out_;
 }
 
-/// Commands remove what lost publishers left, never what a living one has.
+/// Commands remove objects of lost publishers, never those of a live one.
 void FlightOpening::take_published(const std::string& name) {
   for (auto& [id, publisher] : publishers_) {
     if (!publisher.lost) continue;
@@ -257,8 +257,8 @@ void FlightOpening::take_published(const std::string& name) {
   }
 }
 
-/// A status says which publishers are lost. One that it no longer lists has left, or was lost long ago and has nothing
-/// in the world: it is forgotten.
+/// A status lists the lost publishers. One that it no longer lists has left, or was lost long ago and has nothing in
+/// the world: it is forgotten.
 void FlightOpening::fold(const wire::Status& status) {
   const auto ids = dds::view(status.publishers);
   const auto states = dds::view(status.publisher_states);
@@ -297,7 +297,7 @@ void FlightOpening::hold(const Shard& shard, std::size_t row_count, Shards& shar
   }
   if (row_count == 0) return;
   std::vector<std::byte> bytes = wire::cdr_bytes(shard);
-  // A reader can tell that the shard is missing: the status, or the sum, then counts more.
+  // A reader can detect the missing shard: the status, or the sum, then counts more.
   if (held_bytes_ + bytes.size() > kMostHeldBytes) {
     ++left_out_;
     return;
@@ -306,8 +306,8 @@ void FlightOpening::hold(const Shard& shard, std::size_t row_count, Shards& shar
   shards[shard.shard] = std::move(bytes);
 }
 
-/// Whether the object is in the world. One that has left with its lost publisher is not, but stays known: the publisher
-/// may come back with it.
+/// Whether the object is in the world. An object that left with its lost publisher is not, but stays known: the
+/// publisher may return with it.
 bool FlightOpening::is_there(const Publisher& publisher, const Defined& defined) const {
   return !publisher.lost || newest_status_ns_ - publisher.lost_ns < forget_after_ns_ ||
          defined.lost_policy != static_cast<std::uint8_t>(wire_contract::LostPolicy::remove);
@@ -316,7 +316,7 @@ bool FlightOpening::is_there(const Publisher& publisher, const Defined& defined)
 void FlightOpening::write(const std::function<void(Recorded, std::span<const std::byte>)>& put) const {
   for (const auto& [id, publisher] : publishers_) {
     if (!publisher.itself.empty()) put(Recorded::object, publisher.itself);
-    // In the order in which they were defined, since ties between objects are broken by their age.
+    // In the order of their definitions, since ties between objects are broken by their age.
     std::map<std::uint64_t, const Defined*> by_age;
     for (const auto& [number, defined] : publisher.objects) {
       if (is_there(publisher, defined)) by_age[defined.sequence] = &defined;
@@ -348,7 +348,7 @@ void FlightOpening::write(const std::function<void(Recorded, std::span<const std
       poses.insert(poses.end(), posed.pose.begin(), posed.pose.end());
       if (numbers.size() == wire_contract::kMaxPosesPerBatch) send();
     }
-    send();  // an empty one too: it carries the newest sample's number
+    send();  // even an empty one: it carries the newest sample's number
   }
   write_kept(put);
   for (const Unanswered& command : unanswered_) put(Recorded::query, command.bytes);
@@ -370,7 +370,7 @@ void FlightOpening::write_kept(const std::function<void(Recorded, std::span<cons
   };
   kept_.for_each([&](const KeptCommand& command) {
     const bool is_fence = command.key.kind == KeptKind::fence;
-    // Of a long polygon's corners there may be more than a text has room for; the bytes of many have.
+    // A long polygon may have more corners than fit into a text; the bytes of several commands have room.
     const bool is_single =
         !is_fence || (fence_count <= kMostSingleFences && command.text.size() < sizeof(wire::Query::text));
     const bool is_full = packed.size() + command.text.size() + command.blob.size() > kMostPacked;

@@ -17,22 +17,22 @@
 
 namespace collided::engine::service {
 
-/// The channel of what commands changed in the inventory: records of the window that only openings read. A file that a
-/// crash leaves has them, too, and no reader minds them; other files leave them out, since they have the commands.
+/// The channel of the inventory's changes by commands: records of the window that only openings read. A file left by a
+/// crash contains them too, and readers ignore them; other files leave them out, since they have the commands.
 inline constexpr std::uint16_t kInventoryChannel = static_cast<std::uint16_t>(recording::kRecordedTopics.size() + 1);
 
 /// Calls put() with queries of no topic that hold these changes, each small enough for a record.
 ///
-/// own_commands  how many the server had given itself by then: these changes are of all of them
+/// own_commands  how many commands the server had issued itself by then: the changes include theirs
 void write_changes(const Inventory::Changes& changes, std::uint64_t own_commands,
                    const std::function<void(const wire::Query&)>& put);
 
-/// The state that a window of records begins with: the newest definition and pose of every object sent before it, the
-/// inventory of what commands had brought in, the contacts that held, and what held of standing questions. It is folded
-/// from the records that leave the window.
+/// The state at the beginning of a window of records: the newest definition and pose of every earlier object, the
+/// inventory of commands, the open contacts, and the state of standing questions. It is folded from the records that
+/// leave the window.
 ///
-/// limits   kMostBytes of definitions, kMostKeptBytes of the inventory, kMostHeldBytes of what held; what does not fit is
-///          left out and counted
+/// limits   kMostBytes of definitions, kMostKeptBytes of the inventory, kMostHeldBytes of contacts and standing state;
+///          what does not fit is left out and counted
 /// threads  one
 class FlightOpening {
  public:
@@ -42,18 +42,18 @@ class FlightOpening {
   static constexpr std::size_t kMostObjects = 200'000;
   static constexpr std::size_t kMostUnanswered = 64;
   static constexpr std::size_t kMostNoted = 4'096;
-  /// So many standing questions are written as a command each, of which one that is refused takes no other with it; more
-  /// of them many in one.
+  /// Up to this many standing questions are written as one command each, so that a refused one affects no other; beyond
+  /// it, many per command.
   static constexpr std::size_t kMostSingleFences = 100;
 
-  /// forget_after_ns  for so long a lost publisher's objects stay, before their lost policies apply
+  /// forget_after_ns  how long a lost publisher's objects stay, before their lost policies apply
   explicit FlightOpening(std::int64_t forget_after_ns = 0) : forget_after_ns_(forget_after_ns) {}
 
-  /// Folds whole MCAP message records, oldest first, as flight_ring.hpp makes them.
+  /// Folds whole MCAP message records, oldest first, in the format of flight_ring.hpp.
   void fold(std::span<const std::byte> records);
   void fold(const wire::Definition& definition);
   void fold(const wire::PoseBatch& batch);
-  /// A command counts from its changes on. One that has neither those nor an answer yet is under way.
+  /// A command counts from its changes on. A command with neither changes nor an answer yet is in flight.
   void fold(const wire::Query& query);
   void fold(const wire::Reply& reply);
   /// Takes one of the queries of write_changes().
@@ -62,17 +62,18 @@ class FlightOpening {
   void fold(const wire::ContactShard& shard);
   void fold(const wire::StandingShard& shard);
 
-  /// Calls put(channel, CDR bytes) with what makes the same state again: all definitions, then for each publisher its
-  /// poses with the number of its newest sample, then the commands, those under way last, then the contacts, then what
-  /// holds of standing questions. The client of a standing question's command is the one that it goes with; 0: none.
+  /// Calls put(channel, CDR bytes) with samples that restore the same state: all definitions, then for each publisher
+  /// its poses with the number of its newest sample, then the commands, those in flight last, then the contacts, then
+  /// the state of standing questions. The client of a standing question's command is the one with which it is removed;
+  /// 0: none.
   void write(const std::function<void(recording::Recorded, std::span<const std::byte>)>& put) const;
-  /// Numbers of the newest kMostNoted commands of clients that it has taken into account, oldest first.
+  /// Numbers of the newest kMostNoted commands of clients that are included, oldest first.
   std::vector<recording::CommandNumber> noted_commands() const { return {noted_.begin(), noted_.end()}; }
-  /// Samples that had no room; the state that is made again lacks them.
+  /// Samples that had no room; the restored state lacks them.
   std::uint64_t left_out() const { return left_out_; }
 
  private:
-  /// An object as defined last; `bytes` is its Definition in CDR.
+  /// The newest definition of an object; `bytes` is its Definition in CDR.
   struct Defined {
     std::uint64_t sequence = 0;
     std::uint8_t lost_policy = 0;
@@ -88,18 +89,18 @@ class FlightOpening {
     std::uint64_t last_sequence = 0;
     std::uint64_t definitions_through = 0;
     std::int64_t source_time_ns = 0;
-    std::vector<std::byte> itself;  // its Definition of the publisher itself, in CDR; empty: there is none
+    std::vector<std::byte> itself;  // the publisher's own Definition, in CDR; empty: there is none
     bool was_listed = false;        // a status has named it
     bool lost = false;
-    std::int64_t lost_ns = 0;                            // world time of the first status that says so
+    std::int64_t lost_ns = 0;                            // world time of the first status that reports it
     std::unordered_map<std::uint32_t, Defined> objects;  // by object number
-    std::unordered_map<std::uint32_t, Posed> poses;      // by object number; may be there before the definition
+    std::unordered_map<std::uint32_t, Posed> poses;      // by object number; may exist before the definition
   };
   struct Unanswered {
     recording::CommandNumber number;
     std::vector<std::byte> bytes;  // its Query in CDR
   };
-  using Shards = std::map<std::uint8_t, std::vector<std::byte>>;  // the newest of each that holds any
+  using Shards = std::map<std::uint8_t, std::vector<std::byte>>;  // the newest of each that is not empty
   template <class Shard>
   void hold(const Shard& shard, std::size_t row_count, Shards& shards);
   Publisher* meet(std::uint64_t id, std::uint64_t incarnation);
@@ -123,7 +124,7 @@ class FlightOpening {
   std::size_t objects_ = 0;
   std::size_t poses_ = 0;
   std::uint64_t left_out_ = 0;
-  std::vector<double> rows_;  // poses of the batch at work
+  std::vector<double> rows_;  // poses of the current batch
 };
 
 }  // namespace collided::engine::service

@@ -17,19 +17,19 @@ namespace collided::engine::service {
 namespace {
 
 constexpr std::size_t kRingBytes = std::size_t{8} << 20;
-/// So often the ring is drained even where little comes.
+/// The ring is drained at least this often.
 constexpr std::chrono::seconds kPeriod{1};
 constexpr int kFatalSignals[] = {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT};
 
 std::atomic<FlightRecorder*> at_fatal_signals{nullptr};
 
-/// One record of an MCAP message, in the memory of whoever holds it; `data` is the sample in CDR.
+/// One record of an MCAP message, in memory owned elsewhere; `data` is the sample in CDR.
 struct RecordView {
   mcap::MessageHead head;
   std::span<const std::byte> whole, data;
 };
 
-/// The first record of some bytes that begin with a whole one.
+/// The first record of bytes that begin with a whole one.
 RecordView first_of(std::span<const std::byte> records) {
   std::uint64_t length = 0;
   RecordView record;
@@ -45,7 +45,7 @@ RecordView first_of(std::span<const std::byte> records) {
   return record;
 }
 
-/// write(2) until all is out; safe in a signal handler.
+/// write(2) until all is written; safe in a signal handler.
 void write_all(int file, std::span<const std::byte> bytes) {
   while (!bytes.empty()) {
     const ssize_t count = ::write(file, bytes.data(), bytes.size());
@@ -67,7 +67,7 @@ FlightRecorder::FlightRecorder(const std::string& name_space, std::int64_t windo
       window_(window_ns_, [this](std::span<const std::byte> records) { opening_.fold(records); }) {
   std::vector<mcap::ChannelDescription> channels = recording::channels_of(name_space_);
   mcap::put_channels_in_use(standing_prologue_, channels);
-  // Without a schema: no reader takes them for queries.
+  // Without a schema, so that readers do not take them for queries.
   channels.push_back({.topic = name_space_ + "/inventory",
                       .encoding = "cdr",
                       .schema_name = "collided::Inventory",
@@ -95,7 +95,8 @@ void FlightRecorder::run() {
       const std::lock_guard lock(mutex_);
       take_over(!is_busy);
     } catch (const std::bad_alloc&) {
-      // What could not be taken over stays in the ring for the next time; what finds no room there is counted.
+      // Changes that could not be taken over stay in the ring for the next time; those that find no room there are
+      // counted.
     }
   }
 }
@@ -122,7 +123,7 @@ void FlightRecorder::note_changes(const Inventory::Changes& changes) {
   const bool is_news = !changes.is_empty() || changes.client != 0 || own_commands_ > own_commands_noted_;
   if (!is_news) return;
   own_commands_noted_ = own_commands_;
-  // All of one time, so that no file begins between two of them.
+  // All with one time, so that no file begins between two of them.
   const std::uint64_t now = now_ns();
   write_changes(changes, own_commands_, [&](const wire::Query& query) { put(kInventoryChannel, query, now, now); });
 }
@@ -132,9 +133,9 @@ FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) 
   FlightFile file{
       .path = stem_ + "_" + word + ".mcap", .bytes = 0, .messages = 0, .dropped = 0, .from_ns = 0, .to_ns = now_ns()};
   file.from_ns = file.to_ns - std::min(static_cast<std::uint64_t>(std::max<std::int64_t>(0, last_ns)), window_ns_);
-  ::unlink(file.path.c_str());  // an earlier file would keep the rights that it was made with
+  ::unlink(file.path.c_str());  // an earlier file would keep its old permissions
   mcap::FileOutput output(file.path);
-  // A file that is cut short is of no use, and takes the room that the journal needs.
+  // A truncated file is useless, and takes the room that the journal needs.
   struct UnlessWritten {
     const std::string& path;
     bool is_due = true;
@@ -144,7 +145,7 @@ FlightFile FlightRecorder::write(const std::string& word, std::int64_t last_ns) 
   } removal{file.path};
   mcap::FileWriter writer(output, recording::library_name(), recording::channels_of(name_space_));
   {
-    // Samples that come meanwhile wait in the ring.
+    // Samples that arrive meanwhile wait in the ring.
     const std::lock_guard lock(mutex_);
     take_over(false);
     FlightOpening opening = opening_;
@@ -196,7 +197,7 @@ void FlightRecorder::write_at_fatal_signals() {
 }
 
 void FlightRecorder::on_fatal_signal(int signal) {
-  // The first thread that fails writes. If others fail meanwhile they end the process, and the file breaks off.
+  // The first thread that fails writes. If others fail meanwhile they end the process, and the file is cut off.
   if (FlightRecorder* recorder = at_fatal_signals.exchange(nullptr)) {
     recorder->frozen_.store(true);
     recorder->write_crash_file();
@@ -208,7 +209,7 @@ void FlightRecorder::on_fatal_signal(int signal) {
 /// Only unlink, open, write and close: a signal handler may neither allocate nor lock. Without checksums and without an end
 /// record; a reader takes such a file up to its last whole chunk.
 void FlightRecorder::write_crash_file() const {
-  ::unlink(crash_path_.c_str());  // an earlier file would keep the rights that it was made with
+  ::unlink(crash_path_.c_str());  // an earlier file would keep its old permissions
   const int file = ::open(crash_path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
   if (file < 0) return;
   write_all(file, prologue_.all());
@@ -230,7 +231,7 @@ void FlightRecorder::write_crash_file() const {
   write_all(file, prefix);
   ring_.peek([&](std::span<const std::byte> record) {
     seen += record.size();
-    if (seen <= bytes) write_all(file, record);  // other threads may have added since the sum
+    if (seen <= bytes) write_all(file, record);  // other threads may have added some since the sum
   });
   ::close(file);
 }

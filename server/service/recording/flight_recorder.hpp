@@ -18,28 +18,28 @@
 
 namespace collided::engine::service {
 
-/// A file that the flight recorder wrote.
+/// A file written by the flight recorder.
 struct FlightFile {
   std::string path;
   std::uint64_t bytes = 0;
   std::uint64_t messages = 0;
-  std::uint64_t dropped = 0;             // samples since the start for which there was no room: the file may lack them
+  std::uint64_t dropped = 0;             // samples since the start without room: the file may lack them
   std::uint64_t from_ns = 0, to_ns = 0;  // the span of the file, since 1970
 };
 
-/// Remembers what the server took and wrote in its last seconds, and the state that was there before them.
+/// Remembers what the server received and wrote in its last seconds, and the state before them.
 ///
-/// memory   8 MiB for samples under way; at most 64 MiB for the window (that of a busy server reaches less far back);
-///          at most 96 MiB for definitions, commands and standing questions from before it, 16 MiB for what held, 120 bytes
-///          for each pose
+/// memory   8 MiB for samples in flight; at most 64 MiB for the window (a busy server's reaches less far back); at most
+///          96 MiB for definitions, commands and standing questions from before it, 16 MiB for contacts and standing
+///          state, 120 bytes for each pose
 /// threads  note() of a topic from any, without lock, allocation or waiting; note_own() and note_changes() from the
 ///          world's; the rest from any
 class FlightRecorder {
  public:
-  /// name_space  of the recorded topics
-  /// window_ns   how far back, above 0
-  /// forget_after_ns  as of FlightOpening
-  /// stem        "folder/name" that the files' names begin with; empty: no file can be written
+  /// name_space       of the recorded topics
+  /// window_ns        how far back, above 0
+  /// forget_after_ns  see FlightOpening
+  /// stem             "folder/name" at the beginning of the files' names; empty: no file can be written
   FlightRecorder(const std::string& name_space, std::int64_t window_ns, std::string stem,
                  std::int64_t forget_after_ns = 0);
   ~FlightRecorder();
@@ -54,19 +54,19 @@ class FlightRecorder {
     put(static_cast<std::uint16_t>(topic), sample, now, sent_ns > 0 ? static_cast<std::uint64_t>(sent_ns) : now);
   }
 
-  /// Records a command that the server carries out again or after another server: clients' are recorded as they come in.
+  /// Records a command that the server repeats or copies from another server: clients' commands are recorded as they
+  /// arrive.
   void note_own(std::string_view text, std::span<const std::byte> blob);
-  /// Records what commands have changed in the inventory.
+  /// Records the inventory's changes by commands.
   void note_changes(const Inventory::Changes& changes);
 
-  /// Writes the newest `last_ns`, or all that there is where that is less, as "<stem>_<word>.mcap". Throws
-  /// std::runtime_error with the reason where it cannot.
+  /// Writes the newest `last_ns`, or all if there is less, as "<stem>_<word>.mcap". Throws std::runtime_error with the
+  /// reason on failure.
   FlightFile write(const std::string& word, std::int64_t last_ns);
   const std::string& stem() const { return stem_; }
 
-  /// From then on a signal that ends the process by its own fault leaves "<stem>_crash.mcap". The file lacks the state
-  /// from before the window, which the signal could find half changed. Signals that have another handler are left to
-  /// it.
+  /// After this call a fatal signal of the process itself leaves "<stem>_crash.mcap". The file lacks the state from
+  /// before the window, which the signal could find half changed. Signals with another handler are left to it.
   void write_at_fatal_signals();
 
  private:
@@ -86,10 +86,10 @@ class FlightRecorder {
   const std::string stem_;
   const std::string crash_path_;
   mcap::Bytes prologue_;           // of a crash file
-  mcap::Bytes standing_prologue_;  // follows it if anything was noted of standing questions
+  mcap::Bytes standing_prologue_;  // follows it if there were events of standing questions
   std::atomic<bool> has_standing_{false};
   std::uint64_t own_commands_ = 0;        // since the start
-  std::uint64_t own_commands_noted_ = 0;  // of these, as of the last note_changes()
+  std::uint64_t own_commands_noted_ = 0;  // of these, at the last note_changes()
 
   FlightRing ring_;
   std::mutex mutex_;  // guards window_ and opening_

@@ -15,8 +15,8 @@
 
 namespace collided::engine::service {
 
-/// Carries samples from the threads that take and answer to the thread that keeps them, each as the record of an MCAP
-/// message. A sample without room is dropped and counted: recording never waits and never allocates.
+/// Carries samples from the threads that receive and answer to the thread that keeps them, each as the record of an
+/// MCAP message. A sample without room is dropped and counted: recording never waits and never allocates.
 ///
 /// threads  any may put, without a lock; one drains
 /// source   the reservation of bounded multi-producer queues (Vyukov, "Bounded MPMC queue"), over bytes
@@ -28,7 +28,7 @@ class FlightRing {
   FlightRing(const FlightRing&) = delete;
   FlightRing& operator=(const FlightRing&) = delete;
 
-  /// Records a sample, or drops it where there is no room. log_time, publish_time: ns since 1970.
+  /// Records a sample, or drops it if there is no room. log_time, publish_time: ns since 1970.
   template <class T>
   void put(std::uint16_t channel, const T& sample, std::uint64_t log_time, std::uint64_t publish_time) noexcept {
     const std::size_t data = wire::cdr_size(sample);
@@ -41,7 +41,7 @@ class FlightRing {
 
   /// Calls keep(record) with every record that is ready, in order, and frees its room. One thread.
   ///
-  /// gives_back  the memory of freed room goes back to the system: where little comes
+  /// gives_back  whether freed memory is returned to the system: for low rates
   template <class Keep>
   void drain(bool gives_back, Keep&& keep) {
     std::uint64_t at = drained_.load(std::memory_order_relaxed);
@@ -53,7 +53,7 @@ class FlightRing {
       free_until(at, gives_back);
     }
   }
-  /// Whether so much has come that it should be drained soon.
+  /// Whether the ring is full enough that it should be drained soon.
   bool is_filling() const {
     return reserved_.load(std::memory_order_relaxed) - freed_.load(std::memory_order_relaxed) > room_ / 8;
   }
@@ -74,8 +74,8 @@ class FlightRing {
   std::uint64_t dropped() const { return dropped_.load(std::memory_order_relaxed); }
 
  private:
-  /// Stands before each record. slot_bytes: distance to the next header; 0 until the record is whole. record_bytes:
-  /// length of the record; 0: none, since the room up to the end of the ring was too small.
+  /// Precedes each record. slot_bytes: distance to the next header; 0 until the record is whole. record_bytes: length
+  /// of the record; 0: none, since the room up to the end of the ring was too small.
   struct SlotHeader {
     std::uint32_t slot_bytes;
     std::uint32_t record_bytes;
@@ -92,7 +92,7 @@ class FlightRing {
     return {&bytes_[at % room_] + sizeof(SlotHeader), header(at).record_bytes};
   }
 
-  /// Frees the room of whole pages. It is cleared before, since a header that is not written yet must read as zero.
+  /// Frees the room of whole pages. It is cleared first, since an unwritten header must read as zero.
   void free_until(std::uint64_t at, bool gives_back) {
     const std::uint64_t freed = freed_.load(std::memory_order_relaxed);
     const std::size_t pages = (at - freed) / kPageBytes * kPageBytes;
@@ -103,7 +103,7 @@ class FlightRing {
     freed_.store(freed + pages, std::memory_order_release);
   }
   static void clear(std::byte* from, std::size_t byte_count, bool gives_back) {
-    // Private pages that are given back read as zero.
+    // Private pages returned to the system read as zero.
     if (!gives_back || madvise(from, byte_count, MADV_DONTNEED) != 0) std::memset(from, 0, byte_count);
   }
   static std::byte* zero_pages(std::size_t byte_count) {
@@ -117,7 +117,7 @@ class FlightRing {
     std::uint64_t at = reserved_.load(std::memory_order_relaxed);
     std::size_t skipped = 0;
     do {
-      // A record never wraps around: where the end of the ring is too near, the rest of it becomes an empty slot.
+      // A record never wraps around: if the end of the ring is too near, the rest of it becomes an empty slot.
       const std::size_t to_end = room_ - at % room_;
       skipped = to_end < slot ? to_end : 0;
       if (slot > room_ / 4 || at + skipped + slot - freed_.load(std::memory_order_acquire) > room_) {

@@ -34,7 +34,7 @@ std::unique_ptr<std::byte[]> FlightWindow::memory_of_a_free_block() {
     Block& free = blocks_[(first_ + i) % kBlocks];
     if (free.bytes) return std::move(free.bytes);
   }
-  return std::unique_ptr<std::byte[]>(new std::byte[kBlockBytes]);  // not zeroed: pages come as they are written
+  return std::unique_ptr<std::byte[]>(new std::byte[kBlockBytes]);  // not zeroed: pages are allocated when written
 }
 
 std::size_t FlightWindow::held_bytes() const {

@@ -10,25 +10,25 @@
 
 namespace collided::engine::service {
 
-/// The newest records, in blocks of memory that are used again and again. Records that leave the window are handed out
-/// once more. Memory is taken as it is needed, at most kBlocks * kBlockBytes, and that of blocks that expire is given back.
+/// The newest records, in reused blocks of memory. Records that leave the window are passed out once more. Memory is
+/// allocated on demand, at most kBlocks * kBlockBytes, and that of expired blocks is returned.
 ///
 /// threads  one; for_each_block() also from a signal handler of the same process, while nothing is added
 class FlightWindow {
  public:
   static constexpr std::size_t kBlocks = 32;
-  static constexpr std::size_t kBlockBytes = std::size_t{2} << 20;  // twice what the largest message needs
+  static constexpr std::size_t kBlockBytes = std::size_t{2} << 20;  // twice the size of the largest message
 
-  /// leave  called with the records of the oldest block before its memory is used again
+  /// leave  called with the records of the oldest block before its memory is reused
   FlightWindow(std::uint64_t window_ns, std::function<void(std::span<const std::byte>)> leave)
       : window_ns_(window_ns), leave_(std::move(leave)) {}
 
-  /// Adds the record of an MCAP message, as flight_ring.hpp makes it, of at most a block. log_time: ns since 1970.
+  /// Adds the record of an MCAP message, in the format of flight_ring.hpp, of at most a block. log_time: ns since 1970.
   void add(std::span<const std::byte> record, std::uint64_t log_time);
   /// Drops the blocks whose records are all older than the window. now: ns since 1970.
   void expire(std::uint64_t now);
 
-  /// Room taken so far: that of as many blocks as were ever in use at once.
+  /// Memory held: that of the most blocks ever in use at once.
   std::size_t held_bytes() const;
 
   /// Calls see(records, first log time, last log time) for each block, oldest first.
