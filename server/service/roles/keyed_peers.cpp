@@ -15,7 +15,7 @@
 namespace collided::engine::service {
 namespace {
 
-/// Calls with the name and value of every data tag in what the permissions allow.
+/// Calls with the name and value of every data tag in the allow rules of the permissions.
 template <class Tag>
 void for_each_tag(const pugi::xml_document& permissions, Tag&& tag) {
   for (const pugi::xpath_node& found :
@@ -55,7 +55,7 @@ std::shared_ptr<const KeyedPeer> KeyedPeers::of(const dds::GuidPrefix& prefix) {
   return known.peer;
 }
 
-/// DDS has verified the permissions; read again here, of what the signature covers, so that nothing beside it counts.
+/// DDS has verified the permissions; read again here, only from the signed part, so that unsigned text is ignored.
 std::shared_ptr<const KeyedPeer> KeyedPeers::read(const dds::ProvenPeer& peer) const {
   const std::string text = keys::signed_text(peer.permissions, permissions_authority_);
   pugi::xml_document permissions;

@@ -8,8 +8,8 @@ namespace collided::engine::service {
 
 using wire_contract::steady_ns;
 
-/// The server's clock of world time: nanoseconds since 1970 as the machine had them when the server started, then
-/// steadily on, even if the machine's clock is set.
+/// The server's clock of world time: nanoseconds since 1970 by the machine's clock at the server's start, then steady,
+/// even if the machine's clock is set.
 class WorldClock {
  public:
   std::int64_t now_ns() const { return steady_ns() + offset_ns_; }

@@ -9,10 +9,10 @@
 
 namespace collided::engine::service {
 
-/// The threads that take work out of a queue. One is started when work waits for which no other is free, so an idle
-/// server has few.
+/// The threads that take work out of a queue. One is started when work waits and no other is free, so an idle server
+/// has few.
 ///
-/// threads  as the queue's lock guards it; join() without the lock, once the queue is closed
+/// threads  guarded by the queue's lock; join() without the lock, once the queue is closed
 class Crew {
  public:
   /// The work of one thread: takes items until the queue is closed.
@@ -23,14 +23,14 @@ class Crew {
   }
 
   std::size_t most() const { return most_; }
-  /// Threads that are not started yet.
+  /// Threads not started yet.
   std::size_t spare() const { return most_ - threads_.size(); }
-  /// Starts one, if there may be one more. False: none runs, since the system has no room or no memory for a thread.
+  /// Starts one, if the limit allows. False: none runs, since the system has no room or no memory for a thread.
   bool grow() {
     try {
       if (spare() > 0) threads_.emplace_back(begin_());
     } catch (const std::exception&) {
-      // Those that run do the work, only later.
+      // The running threads do the work, only later.
     }
     return !threads_.empty();
   }

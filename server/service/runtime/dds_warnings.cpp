@@ -33,7 +33,7 @@ std::uint64_t DdsWarnings::count(const dds_log_data_t& data) {
 
 void DdsWarnings::take(const dds_log_data_t& data) {
   constexpr std::uint64_t kAllOf = 8;
-  // The header that DDS would print stands in front of this, not in it.
+  // The header that DDS would print is not part of the message.
   std::string_view message(data.message, data.size);
   while (message.ends_with('\n')) message.remove_suffix(1);
   // "data(application, vendor 1.15): GUID #1: deserialization TOPIC/TYPE failed (...)"

@@ -16,11 +16,11 @@
 
 namespace collided::engine::service {
 
-/// Puts what DDS warns of into the server's log, for as long as it exists; there may be one at a time. Any program that
-/// reaches the server's ports can make DDS warn, so messages are cut to 400 bytes and thinned out: of each kind, that is, of
+/// Writes DDS's warnings into the server's log, as long as it exists; at most one may exist. Any program that reaches
+/// the server's ports can make DDS warn, so messages are cut to 400 bytes and thinned out: of each kind, that is, of
 /// each place in DDS's sources, the first eight are logged, then the sixteenth and so on. A kind begins again after a
-/// minute without a message. Samples that DDS cannot read, because the program that wrote them has types of another layout,
-/// get a sentence of their own: the first one, the second, the fourth and so on.
+/// minute without a message. Samples that DDS cannot read, because their writer has types of another layout, get a
+/// sentence of their own: the first one, the second, the fourth and so on.
 ///
 /// threads  DDS calls it from its own
 class DdsWarnings {
@@ -37,14 +37,14 @@ class DdsWarnings {
     std::uint64_t count = 0;
     std::chrono::steady_clock::time_point last;
   };
-  /// How many of this kind there have been, with this one.
+  /// Number of messages of this kind so far, including this one.
   std::uint64_t count(const dds_log_data_t& data);
 
   std::shared_ptr<spdlog::logger> log_;
   std::atomic<std::uint64_t> unreadable_ = 0;
   std::mutex mutex_;
   std::map<std::pair<std::string, std::uint32_t>, Kind>
-      kinds_;  // by file and line: as many as DDS has places that warn
+      kinds_;  // by file and line: one for each place in DDS that warns
 };
 
 }  // namespace collided::engine::service

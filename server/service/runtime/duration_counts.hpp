@@ -19,7 +19,7 @@ class DurationCounts {
 
   void add(std::int64_t ns) { counts_[bucket_of(ns)].fetch_add(1, std::memory_order_relaxed); }
 
-  /// Calls visit(longest duration of the step in ns, count) for each step that is not empty, the shortest first.
+  /// Calls visit(longest duration of the step in ns, count) for each step that is not empty, shortest first.
   template <class Visit>
   void for_each(Visit&& visit) const {
     for (std::size_t bucket = 0; bucket < counts_.size(); ++bucket) {

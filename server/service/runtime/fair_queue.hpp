@@ -17,20 +17,20 @@
 
 namespace collided::engine::service {
 
-/// Which client's work an item is, and how much.
+/// The owner and size of a work item.
 struct Share {
   std::uint64_t client = 0;
-  std::uint64_t owner = 0;  // whose client it is: owners share evenly, and so do the clients of one; 0: its own
+  std::uint64_t owner = 0;  // of the client: owners share evenly, and so do the clients of one; 0: its own
   double cost = 1;          // above 0, in any unit that is the same for all
-  std::size_t bytes = 0;    // that it holds while it waits
-  bool is_kept = false;     // taken while any room is left, up to three quarters of it for one owner
-  bool is_begun = false;    // part of something whose beginning was taken: taken even where no room is left
+  std::size_t bytes = 0;    // held while it waits
+  bool is_kept = false;     // accepted while any room is left, up to three quarters of it for one owner
+  bool is_begun = false;    // part of an accepted request: accepted even if no room is left
 };
 
-/// Work of many clients for several threads. Owners with work share the threads evenly by cost, however many clients
-/// each has and however much these have sent: a client with one question passes another's thousands. An owner may have
-/// as much waiting as is still free, in items and in bytes, so one alone fills at most half of the room, two a third
-/// each, and one that comes later still finds some.
+/// Work of many clients for several threads. Owners with work share the threads evenly by cost, regardless of the
+/// number of their clients and of their items: a client with one question overtakes another's thousands. An owner may
+/// have as much waiting as is still free, in items and in bytes, so one alone fills at most half of the room, two a
+/// third each, and a later one still finds some.
 ///
 /// source   Goyal, Vin, Cheng, "Start-time Fair Queuing", 1996; Choudhury, Hahne, "Dynamic Queue Length Thresholds for
 ///          Shared-Memory Packet Switches", 1998
@@ -44,16 +44,16 @@ class FairQueue {
     flows_.reserve(kFewFlows);
   }
 
-  /// Has threads of its own take the items; each is started when work waits that no other is free for.
+  /// Runs threads of its own that take the items; each is started when work waits and no other is free.
   ///
-  /// begin  as of Crew; a shift calls pop() until that has nothing more
+  /// begin  as for Crew; a shift calls pop() until it returns nothing
   void staff(std::size_t most, std::function<Crew::Shift()> begin) {
     const std::lock_guard lock(mutex_);
     crew_.emplace(most, std::move(begin));
     spare_.store(most, std::memory_order_relaxed);
   }
 
-  /// Adds the server's own work, which goes before all clients' and is not limited: ask has_room_for_own().
+  /// Adds the server's own work, which precedes all clients' and is not limited: ask has_room_for_own().
   void push_own(Item item) {
     {
       const std::lock_guard lock(mutex_);
@@ -63,7 +63,7 @@ class FairQueue {
     }
     arrived_.notify_one();
   }
-  /// False: no room for this owner, or no thread can be started for it; the item stays as it was.
+  /// False: no room for this owner, or no thread can be started for it; the item is unchanged.
   [[nodiscard]] bool push(const Share& share, Item& item) {
     {
       const std::lock_guard lock(mutex_);
@@ -85,8 +85,8 @@ class FairQueue {
     return true;
   }
 
-  /// Whether push() would take it now. What is pushed as begun after this was true is never too much by more than
-  /// there are threads that push.
+  /// Whether push() would accept it now. Items pushed with is_begun after this was true exceed the limit by at most the
+  /// number of pushing threads.
   bool has_room_for(const Share& share) {
     const std::lock_guard lock(mutex_);
     const bool has_room = has_room_for(share, flow_of(share.client));
@@ -100,12 +100,12 @@ class FairQueue {
   }
   /// Whether any of the server's own work waits.
   bool has_own() const { return own_count_.load(std::memory_order_relaxed) > 0; }
-  /// Whether less than the limit of the server's own work waits.
+  /// Whether less of the server's own work waits than the limit allows.
   bool has_room_for_own() const { return own_count_.load(std::memory_order_relaxed) < limit_; }
   std::size_t waiting() const { return waiting_.load(std::memory_order_relaxed); }
   /// Threads that wait in pop(), or are not started yet.
   std::size_t idle() const { return idle_.load(std::memory_order_relaxed) + spare_.load(std::memory_order_relaxed); }
-  /// As of staff().
+  /// See staff().
   std::size_t most_threads() const { return crew_ ? crew_->most() : 0; }
   std::size_t waiting_bytes() const { return waiting_bytes_.load(std::memory_order_relaxed); }
   double waiting_cost() {
@@ -128,13 +128,13 @@ class FairQueue {
     if (waiting() == 0) return std::nullopt;
     return pop_fairly();
   }
-  /// Ends the waiting in pop(), which still hands out what is in.
+  /// Ends the waiting in pop(), which still returns the remaining items.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
     arrived_.notify_all();
   }
-  /// Closes it, and waits until its threads have taken what is in.
+  /// Closes it, and waits until its threads have taken the remaining items.
   void finish() {
     close();
     if (crew_) crew_->join();
@@ -153,11 +153,11 @@ class FairQueue {
     std::uint64_t client = 0;
     std::uint64_t owner = 0;
     std::size_t bytes = 0;  // of its entries
-    double finish = 0;      // of the last entry: where the next one starts at the earliest
+    double finish = 0;      // of the last entry: earliest start of the next one
     Ring<Entry> entries;
   };
 
-  /// Whether a thread will take one more item: starts one where all have work.
+  /// Whether a thread will take one more item: starts one if all are busy.
   bool has_hands() {
     if (!crew_ || closed_ || waiting() + own_count_ < idle_.load(std::memory_order_relaxed)) return true;
     const bool is_there = crew_->grow();
@@ -182,7 +182,7 @@ class FairQueue {
     return free > 0 && free_bytes > 0 && entries < most && flow_bytes < most_bytes;
   }
 
-  /// How many clients of this flow's owner have work, itself among them.
+  /// How many clients of this flow's owner have work, including itself.
   double rivals_of(const Flow& flow) const {
     double rivals = 1;
     if (flow.owner == 0) return rivals;
@@ -223,7 +223,7 @@ class FairQueue {
     first->bytes -= entry.share.bytes;
     now_ = entry.start;
     if (waiting() == 0) {
-      // Nothing waits: all clients begin anew.
+      // Nothing waits: all clients start equal again.
       for (const Flow& flow : flows_) now_ = std::max(now_, flow.finish);
       waiting_cost_ = 0;
     }

@@ -28,12 +28,12 @@ class JsonFormatter : public spdlog::formatter {
   std::unique_ptr<spdlog::formatter> clone() const override { return std::make_unique<JsonFormatter>(); }
 };
 
-/// Text of clients and of other servers ends up in messages: nothing of it may command the terminal that shows the log.
+/// Messages contain text of clients and other servers: it must not control the terminal that shows the log.
 class PlainFormatter : public spdlog::formatter {
  public:
   void format(const spdlog::details::log_msg& message, spdlog::memory_buf_t& line) override {
     std::string text = wire_contract::terminal_text({message.payload.data(), message.payload.size()});
-    // A line that does not begin with a time belongs to the one above, so that no text can pretend to be a message.
+    // A line without a time belongs to the one above, so that no text can imitate a message.
     for (std::size_t at = 0; (at = text.find('\n', at)) != std::string::npos; ++at) {
       if (text.compare(at + 1, 2, "  ") != 0) text.insert(at + 1, "  ");
     }

@@ -9,8 +9,8 @@
 
 namespace collided::engine::service {
 
-/// Runs the body on this thread under that name, which top and gdb show. Where the body finds no memory and takes no care
-/// of that itself, the process ends as end_out_of_memory() says: an exception out of a thread would end it without a word.
+/// Runs the body on this thread under that name, which top and gdb show. If the body runs out of memory without
+/// handling it, the process ends by end_out_of_memory(): an exception out of a thread would end it without a message.
 ///
 /// name  at most 15 characters; must outlive the thread
 template <class Body>
@@ -21,7 +21,7 @@ void serve_here(const char* name, Body&& body) {
   } catch (const std::bad_alloc&) { end_out_of_memory(name); }
 }
 
-/// A thread of its own for the same.
+/// Starts a thread for the same.
 template <class Body>
 std::thread named_thread(const char* name, Body body) {
   return std::thread([name, body = std::move(body)]() mutable { serve_here(name, body); });

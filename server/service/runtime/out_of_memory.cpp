@@ -19,7 +19,7 @@ namespace {
 
 std::terminate_handler terminated_before = nullptr;
 
-/// A bad_alloc that nobody could catch: destructors of JSON values allocate.
+/// A bad_alloc that no caller could catch: destructors of JSON values allocate.
 [[noreturn]] void end_uncaught() noexcept {
   const std::type_info* thrown = abi::__cxa_current_exception_type();
   if (thrown != nullptr && *thrown == typeid(std::bad_alloc)) {
@@ -41,7 +41,7 @@ void end_out_of_memory(const char* where) noexcept {
   const std::array<iovec, 3> line{
       piece("error: no memory left for "), piece(where),
       piece("; ending, since half a change is none. Started again it recovers as after a crash\n")};
-  // If even this cannot be written there is nothing left to do about it; the sum keeps the compiler from warning.
+  // If even this cannot be written nothing can be done; the sum keeps the compiler from warning.
   static_cast<void>(writev(STDERR_FILENO, line.data(), static_cast<int>(line.size())) + 1);
   _exit(kOutOfMemoryExit);
 }

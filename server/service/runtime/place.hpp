@@ -56,8 +56,8 @@ struct PlaceCollaborators {
   std::function<void()> let_jobs_end;  // waits until the commands so far are carried out, 3 s at most
 };
 
-/// What a server is among those that serve its namespace. This class is the place of a server alone: it answers and
-/// publishes from its start to its end. The fleet derives another one.
+/// A server's role among those of its namespace. This class is the place of a single server: it answers and publishes
+/// from its start to its end. The fleet derives another one.
 class Place {
  public:
   /// asked_as  namespace in which clients ask this server
@@ -69,14 +69,14 @@ class Place {
   const std::string& asked_as() const { return asked_as_; }
 
   // While the server starts and ends; its main thread.
-  /// What it is at its start.
+  /// The role at its start.
   virtual wire_contract::MemberRole first_role() const { return wire_contract::MemberRole::primary; }
-  /// Whether it follows another server at its start, and so takes over that one's state instead of its own.
+  /// Whether it follows another server at its start, and so takes over that server's state instead of its own.
   bool begins_as_follower() const { return first_role() != wire_contract::MemberRole::primary; }
   bool is_replica() const { return first_role() == wire_contract::MemberRole::replica; }
   /// Whether no other server may answer in the namespace asked_as().
   virtual bool has_to_be_alone() const { return true; }
-  /// This server's epoch, at least that one. May wait for seconds; throws CannotServeNow.
+  /// This server's epoch, at least `least`. May wait for seconds; throws CannotServeNow.
   virtual std::uint64_t draw_epoch(std::uint64_t least) { return least; }
   /// Adds the commands that only servers with such a place have.
   virtual void add_commands(CommandContext&, std::vector<std::unique_ptr<CommandFamily>>&) {}
@@ -84,7 +84,7 @@ class Place {
   virtual void attach(PlaceCollaborators) {}
   /// Called once the world's thread runs.
   virtual void start() {}
-  /// Called before the server stops: hands over, if another server is ready for that.
+  /// Called before the server stops: hands over, if another server is ready.
   virtual void leave() {}
   /// Called once nothing more is written.
   virtual void close() {}
@@ -94,16 +94,16 @@ class Place {
   virtual bool may_answer() const { return true; }
   /// Whether this server may publish and send answers now.
   virtual bool may_publish() const { return true; }
-  /// Until when it may, as far as that is known; steady clock.
+  /// Until when it may, if known; steady clock.
   virtual std::int64_t may_publish_until_ns() const { return std::numeric_limits<std::int64_t>::max(); }
-  /// World time from which on this server's states hold all that they should. Nothing: the newest one may lack something,
-  /// and no question is answered.
+  /// World time from which on this server's states are complete. Nothing: the newest one may be incomplete, and no
+  /// question is answered.
   virtual std::optional<std::int64_t> whole_since_ns() const { return std::numeric_limits<std::int64_t>::min(); }
-  /// Whether another server has taken this one's place without having been asked to.
+  /// Whether another server has taken over although this one was not asked to hand over.
   virtual bool has_given_way() const { return false; }
-  /// Called when the server is to end: whether it was asked to hand over, and no other server has taken its place.
+  /// Called when the server is about to end. True: it was asked to hand over, but no other server has taken over.
   virtual bool goes_on() { return false; }
-  /// Adds the optional parts that it brings.
+  /// Adds its optional parts.
   virtual void list_wings(std::vector<Wing>&) const {}
 
   // On the world's thread.

@@ -5,7 +5,7 @@
 
 namespace collided::engine::service {
 
-/// A number that cannot be guessed and that no other process draws, from the system's entropy.
+/// An unguessable number that no other process draws, from the system's entropy.
 inline std::uint64_t random_number() {
   std::random_device device;
   return (std::uint64_t{device()} << 32) | device();

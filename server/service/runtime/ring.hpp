@@ -6,8 +6,8 @@
 
 namespace collided::engine::service {
 
-/// A queue in memory that only grows: passing items through allocates nothing once it has held as many. (std::deque
-/// frees and takes a block each time that it moves past one.)
+/// A queue in memory that only grows: once it has held as many items, passing more through allocates nothing.
+/// (std::deque frees and allocates a block each time that it moves past one.)
 template <class Item>
 class Ring {
  public:

@@ -19,15 +19,15 @@ class Tally {
   std::atomic<std::uint64_t> value_{0};
 };
 
-/// What the world's thread has done since the start. Each number is exact; two numbers may be a step apart.
+/// Sums of the world's thread since the start. Each number is exact; two numbers may be a step apart.
 struct StepSums {
   Tally steps;
-  Tally stalled_steps;  // times that a step was tried again, since readers held every free state
+  Tally stalled_steps;  // steps retried because readers held every free state
   Tally take_ns;        // taking samples and jobs, between steps
   Tally update_ns;      // filling the next state
   Tally index_ns;       // indexing its movers
   Tally test_ns;        // finding and testing candidates
-  Tally events_ns;      // what began and ended
+  Tally events_ns;      // finding what began and ended
   Tally publish_ns;     // writing events, contacts, probes
   PairCounts<Tally> pairs;
   FenceCounts<Tally> fences;

@@ -12,7 +12,7 @@
 
 namespace collided::engine::service {
 
-/// The newest steps. One thread adds, any thread reads; neither waits for longer than a copy of them takes.
+/// The newest steps. One thread adds, any thread reads; neither waits longer than copying them takes.
 class StepTraces {
  public:
   static constexpr std::size_t kMost = wire_contract::command::kMostSteps;

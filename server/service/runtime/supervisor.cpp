@@ -22,7 +22,7 @@ void notify_supervisor(const std::string& state) {
   const int file = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   if (file < 0) return;
   const auto length = static_cast<socklen_t>(offsetof(sockaddr_un, sun_path) + path.size());
-  // A supervisor that does not listen is no error.
+  // A supervisor that does not listen is not an error.
   static_cast<void>(
       sendto(file, state.data(), state.size(), MSG_NOSIGNAL, reinterpret_cast<const sockaddr*>(&address), length));
   close(file);

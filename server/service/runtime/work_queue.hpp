@@ -14,7 +14,7 @@
 
 namespace collided::engine::service {
 
-/// Work for several threads, in order of arrival. push() does not keep to the limit: ask has_room() first.
+/// Work for several threads, in order of arrival. push() does not enforce the limit: ask has_room() first.
 ///
 /// threads  any
 template <class Item>
@@ -22,9 +22,9 @@ class WorkQueue {
  public:
   explicit WorkQueue(std::size_t limit) : limit_(limit) {}
 
-  /// Has a thread of its own take the items, one after the other; it is started when the first one comes.
+  /// Runs a thread of its own that takes the items, one after the other; it is started when the first one comes.
   ///
-  /// name  as of named_thread()
+  /// name  as for named_thread()
   void serve(const char* name, std::function<void(Item)> take) {
     const std::lock_guard lock(mutex_);
     crew_.emplace(1, [this, name, take = std::move(take)] {
@@ -36,7 +36,7 @@ class WorkQueue {
     });
   }
 
-  /// False once the queue is closed, or where no thread can be started: the item would never be taken out.
+  /// False once the queue is closed, or if no thread can be started: the item would never be taken.
   bool push(Item item) {
     {
       const std::lock_guard lock(mutex_);
@@ -58,13 +58,13 @@ class WorkQueue {
     size_.fetch_sub(1, std::memory_order_relaxed);
     return items_.pop_front();
   }
-  /// Ends the waiting in pop(), which still hands out what is in.
+  /// Ends the waiting in pop(), which still returns the remaining items.
   void close() {
     const std::lock_guard lock(mutex_);
     closed_ = true;
     arrived_.notify_all();
   }
-  /// Closes it, and waits until its thread has taken what is in.
+  /// Closes it, and waits until its thread has taken the remaining items.
   void finish() {
     close();
     if (crew_) crew_->join();
