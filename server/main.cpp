@@ -30,10 +30,10 @@ namespace {
 
 using namespace collided::engine::service;
 
-/// Another server is the primary, or nobody could say who is: another start may find it otherwise.
+/// Another server is the primary, or the primary is unknown: another start may succeed.
 constexpr int kGivenWay = 3;
 
-/// Blocked before any thread is made, so that only the waiting main thread gets them.
+/// Blocked before any thread is made, so that only the waiting main thread receives them.
 sigset_t block_signals() {
   sigset_t signals;
   sigemptyset(&signals);
@@ -42,14 +42,14 @@ sigset_t block_signals() {
   return signals;
 }
 
-/// Waits for the next signal, at most for the given time; 0 where none comes.
+/// Waits for the next signal, at most for the given time; 0 if none comes.
 int next_signal(const sigset_t& signals, const timespec& at_most) {
   const int signal = sigtimedwait(&signals, nullptr, &at_most);
   return signal < 0 ? 0 : signal;
 }
 
-/// Of all threads, DDS's too. Where memory is limited, the whole stack of each counts from the start, and 8 MB of seventeen
-/// are most of what a small machine allows.
+/// For all threads, DDS's too. If memory is limited, the whole stack of each counts from the start, and 8 MB for each
+/// of seventeen threads are most of a small machine's limit.
 void limit_stacks() {
   constexpr std::size_t kBytes = std::size_t{2} << 20;
   pthread_attr_t attributes;
@@ -59,8 +59,8 @@ void limit_stacks() {
   pthread_attr_destroy(&attributes);
 }
 
-/// Ends the process where stopping takes too long. In short sleeps, so that time in which the process was stopped, or found
-/// no processor, hardly counts.
+/// Ends the process if stopping takes too long. In short sleeps, so that time in which the process was suspended, or
+/// found no processor, hardly counts.
 void limit_stopping() {
   std::thread([] {
     constexpr std::chrono::milliseconds kLook{100};
@@ -71,8 +71,8 @@ void limit_stopping() {
   }).detach();
 }
 
-/// Returns once a signal ends the server. The ready line is printed when what was kept is in the world again: before that
-/// an answer may be "undecided", and whoever waits for the line asks at once.
+/// Returns once a signal ends the server. The ready line is printed when the kept state is restored: before that an
+/// answer may be "undecided", and clients that wait for the line ask at once.
 void serve_until_ended(Server& server, const std::string& ready, const sigset_t& signals) {
   constexpr timespec kLook{.tv_sec = 0, .tv_nsec = 10'000'000};
   constexpr timespec kIdle{.tv_sec = 30, .tv_nsec = 0};
@@ -86,26 +86,26 @@ void serve_until_ended(Server& server, const std::string& ready, const sigset_t&
     }
     const int signal = next_signal(signals, is_announced ? kIdle : kLook);
     if (signal == SIGUSR1) server.write_flight_recorder();
-    // Free pages go back to the system; otherwise the allocator's pools keep what past clients and loads have used.
+    // Returns free pages to the system; otherwise the allocator's pools keep the memory of past clients and loads.
     if (signal == 0 && is_announced) malloc_trim(0);
     if ((signal == SIGTERM || signal == SIGINT) && !server.goes_on()) return;
   }
 }
 
 int serve(const Options& options, const MakePlace& make_place) {
-  // The files of the state folder hold the world and all that was asked. With keys that travels encrypted, so no other
-  // user of the machine may read it there.
+  // The files of the state folder contain the world and all questions. With keys these travel encrypted, so no other
+  // user of the machine may read them there.
   ::umask(0077);
   const sigset_t signals = block_signals();
-  // One pool for all threads: what one takes and another gives back would leave holes in each one's own. What is asked
-  // often takes no memory, so nobody queues for it.
+  // One pool for all threads: memory that one thread allocates and another frees would leave holes in each thread's own
+  // pool. Frequent questions allocate nothing, so threads do not queue for it.
   mallopt(M_ARENA_MAX, 1);
   limit_stacks();
   report_aborts();
   set_time_slice(kShortSlice);
   const std::shared_ptr<spdlog::logger> log = make_log(options.log_level, options.log_json);
   const DdsWarnings dds_warnings(log);
-  // Another server has taken this one's place: then it ends as if it had been asked to.
+  // If another server has taken over, this one ends as if it had been asked to.
   Server server(options, log, make_place, [] { kill(getpid(), SIGTERM); });
   const std::string ready = server.start();
   if (options.scenes.empty()) fmt::print("{}", how_to_ask());

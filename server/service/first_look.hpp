@@ -8,11 +8,11 @@
 #include "idl/dds.hpp"
 #include "server/service/runtime/clock.hpp"
 
-// What a server that starts hears of the others of its namespace, before it publishes anything: DDS keeps the last sample of
-// each for those that join.
+// What a starting server learns of the others of its namespace, before it publishes anything: DDS keeps the last sample
+// of each for participants that join.
 namespace collided::engine::service {
 
-/// Calls hear(sample) with what living servers say on a topic, until it returns true or the time is over.
+/// Calls hear(sample) with samples of live servers on a topic, until it returns true or the time is over.
 template <class T, class Hear>
 void hear_servers(const dds::Participant& participant, const std::string& name_space, std::int64_t time_ns,
                   Hear&& hear) {
@@ -31,13 +31,13 @@ void hear_servers(const dds::Participant& participant, const std::string& name_s
   }
 }
 
-/// After so long, servers that are there must have been heard.
+/// After this time, samples of all running servers must have arrived.
 ///
-/// uses_keys  the others must come through the handshake first
+/// uses_keys  the others must complete the handshake first
 constexpr std::int64_t listening_ns(bool uses_keys) { return uses_keys ? 1'000'000'000 : 250'000'000; }
 
-/// least_ns   how long it is listened at least while nobody is heard
-/// returns    the process of a server that speaks for the namespace; nothing: there is none
+/// least_ns  how long to wait at least while no server is received
+/// returns   the process of the namespace's primary; nothing: there is none
 std::optional<long> heard_primary(const dds::Participant& participant, const std::string& name_space, bool uses_keys,
                                   std::int64_t least_ns = 0);
 

@@ -8,7 +8,7 @@
 
 namespace collided::engine::service {
 
-/// How many answers were checked, and how many of them equal those of brute force.
+/// How many answers were checked, and how many of them equalled brute force.
 struct SelfTestResult {
   std::uint32_t asked = 0;
   std::uint32_t equal = 0;

@@ -28,7 +28,7 @@
 namespace collided::engine::service {
 namespace {
 
-/// How long a server waits after a crash for those that were there: publishers and clients look for servers every 2 s.
+/// How long a server waits after a crash for its publishers and clients: they look for servers every 2 s.
 constexpr std::int64_t kRecoveryNs = 3'000'000'000;
 
 StartError not_alone(const Options& options, const Place& place, long pid) {
@@ -38,7 +38,7 @@ StartError not_alone(const Options& options, const Place& place, long pid) {
                   pid, place.asked_as(), options.domain, place.is_replica() ? "--member" : "--namespace"));
 }
 
-/// Throws StartError where another server has this namespace: both would answer every question.
+/// Throws StartError if another server has this namespace: both would answer every question.
 void make_sure_to_be_alone(const dds::Participant& participant, const Options& options, const Place& place) {
   if (const std::optional<long> pid = heard_primary(participant, place.asked_as(), !options.keys.empty()))
     throw not_alone(options, place, *pid);
@@ -148,8 +148,8 @@ WorldLoop::Collaborators Server::Parts::loop_collaborators() {
           .has_new_publisher =
               [this] {
                 note_publishers();
-                // On the disk before the publisher's first contact is reported: after a crash, no client that knows
-                // of a contact should meet a server that does not wait for the publisher.
+                // On disk before the publisher's first contact is reported: after a crash, a client that knows of a
+                // contact must not meet a server that does not wait for the publisher.
                 if (durable) durable->wait(std::chrono::milliseconds(100));
               },
           .is_adding_again = [this] { return !commands.replayed() || (durable && durable->has_losses()); },
@@ -198,7 +198,7 @@ bool Server::Parts::has_crashed() const {
   return epoch.past == PastEnd::running || (durable && durable->crashed());
 }
 
-/// The journal first, then the epoch: a crash between the two leaves a journal that says nothing is missing.
+/// The journal first, then the epoch: after a crash between the two, the journal reports that nothing is missing.
 std::unique_ptr<DurableState> Server::Parts::keep() {
   if (epoch.kept_in.empty()) {
     say_unwritten();
@@ -207,7 +207,7 @@ std::unique_ptr<DurableState> Server::Parts::keep() {
   }
   const std::filesystem::path summand = std::filesystem::path(epoch.kept_in).replace_extension(".journal");
   const std::string folder = summand.parent_path().string();
-  // A standby fetches all that it has; what an earlier process left in its folder is older.
+  // A standby fetches the primary's state; the state of an earlier process in its folder is older.
   const DurableState::Start start =
       place->begins_as_follower() || options.is_fresh ? DurableState::Start::drops : DurableState::Start::restores;
   std::unique_ptr<DurableState> kept;
@@ -260,7 +260,7 @@ void Server::Parts::note_publishers() {
   if (!durable) return;
   std::set<std::uint64_t> there;
   loop.publishers().for_each(clock.now_ns(), [&](const PublisherView& view) { there.insert(view.publisher); });
-  // A publisher that has not come back yet stays noted, since this server may crash too.
+  // Publishers that have not come back yet stay in the journal, since this server may crash too.
   if (loop.recovering()) there.insert(durable->publishers_left().begin(), durable->publishers_left().end());
   durable->set_publishers(there);
 }
@@ -282,7 +282,7 @@ void Server::Parts::tick() {
   note_refused();
 }
 
-/// Logs publishers and clients that are not taken: the first time, and whenever there are twice as many as then.
+/// Logs refused publishers and clients: the first time, and whenever their number has doubled.
 void Server::Parts::note_refused() {
   PublisherOwners& owners = listeners->owners();
   for (const std::uint64_t publisher : owners.take_forged()) {
@@ -329,7 +329,7 @@ std::string Server::start() {
                        p.options.error_m, [&p] { return p.loop.recovering(); }, &p.questioning.overload, p.flight.get(),
                        p.peers.get()},
       [this](CommandAsk ask) { parts_->commands.run(std::move(ask)); });
-  // Everything that the first sample may need is made before the readers are.
+  // Everything that the first sample may need is made before the readers.
   p.commands.connect(*p.answering);
   p.place->attach({.identity = p.identity,
                    .epoch = p.epoch,
@@ -348,7 +348,7 @@ std::string Server::start() {
   if (p.durable) p.commands.replay(p.durable->commands_left());
   p.world_thread = std::thread([&p] { p.loop.run(); });
   p.heartbeat.emplace([&p](std::int64_t now_ns) {
-    // The world's thread may have no time to fall silent where another server has this one's place.
+    // The world's thread may be too busy to fall silent when another server has taken over.
     const bool is_over = p.place->has_given_way();
     return is_over ? now_ns + wire_contract::kStatusPeriodNs : p.event_writer.repeat_status(now_ns, p.loop.state());
   });
@@ -394,8 +394,8 @@ void Server::stop() {
   if (!p.world_thread.joinable()) return;
   p.place->leave();
   p.presence.reset();
-  // In this order no new command is taken, those under way and the questions that are queued are answered, and then the
-  // world ends its contacts and reports that.
+  // In this order no new command is accepted, those in flight and the queued questions are answered, and then the world
+  // ends its contacts and reports that.
   p.commands.stop();
   p.let_jobs_end();
   if (p.durable) p.durable->finish();

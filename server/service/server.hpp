@@ -30,7 +30,7 @@ using MakePlace = std::function<std::unique_ptr<Place>(const Options& options, c
 /// The source of a server's place.
 struct PlaceSource {
   ApplyFleetSetting apply;                 // stores the settings of the fleet
-  std::function<void(Options&)> complete;  // called once all settings are known, unless nothing is to be served
+  std::function<void(Options&)> complete;  // called once all settings are known, unless nothing will be served
   MakePlace make;
 };
 
@@ -38,31 +38,33 @@ struct PlaceSource {
 ///
 ///   Server server(options, log, make_place, end);  // loads, joins the domain, makes sure to be alone; throws StartError
 ///   server.start();                                // serves from here on
-///   server.stop();                                 // answers what is queued, ends the contacts, leaves
+///   server.stop();                                 // answers queued questions, ends the contacts, leaves
 ///
 /// threads  one
 class Server {
  public:
-  /// make_place  what the server is among others
-  /// end         has stop() called soon, once another server has taken this one's place; called on any thread, returns at once
+  /// make_place  makes the server's role among others
+  /// end         called once another server has taken over, to have stop() called soon; called on any thread, returns
+  ///             at once
   /// throws      StartError, LoadError or CannotServeNow
   Server(const Options& options, std::shared_ptr<spdlog::logger> log, const MakePlace& make_place,
          std::function<void()> end);
   ~Server();
 
-  /// Starts serving; returns a line "ready: ..." for scripts that wait for it, to be printed once is_restoring() is over.
+  /// Starts serving; returns a line "ready: ..." for waiting scripts, to be printed once is_restoring() is over.
   std::string start();
-  /// Whether commands from before a stop or a crash are still to be carried out. It does not wait for publishers that a
-  /// crash has cut off, nor for losses to be accepted. Any thread.
+  /// Whether commands from before a stop or a crash still have to be carried out. It does not wait for publishers
+  /// separated by a crash, nor for losses to be accepted. Any thread.
   bool is_restoring() const;
-  /// Returns once all is ended; a second call does nothing.
+  /// Returns once everything has ended; a second call does nothing.
   void stop();
-  /// To be asked when end was called. Whether this server was asked to hand over, and nobody has taken its place: then it
-  /// goes on.
+  /// Call this after `end` was called. True: this server was asked to hand over but no other has taken over, so it
+  /// continues.
   bool goes_on();
-  /// Whether another server of the namespace has taken this one's place without having been asked to.
+  /// Whether another server of the namespace has taken over although this one was not asked to hand over.
   bool has_given_way() const;
-  /// Writes the flight recorder's memory to a file beside the server's others; the log says where, or why it cannot.
+  /// Writes the flight recorder's memory to a file next to the server's others; the log reports where, or why it
+  /// cannot.
   void write_flight_recorder();
 
  private:
@@ -70,8 +72,7 @@ class Server {
   std::unique_ptr<Parts> parts_;
 };
 
-/// Loads the scenes, compares some answers with brute force and prints the result; returns 0 when all are equal, else
-/// 1.
+/// Loads the scenes, compares some answers with brute force and prints the result; returns 0 if all are equal, else 1.
 int run_once(const Options& options);
 
 std::string version_text();

@@ -29,7 +29,7 @@
 #include "server/service/world_loop.hpp"
 #include "server/world/world.hpp"
 
-// What a Server is made of; server.cpp makes and ends it.
+// The parts of a Server; server.cpp makes and ends it.
 namespace collided::engine::service {
 
 /// The parts that answer questions, and their counts.
@@ -50,21 +50,21 @@ struct Questioning {
 struct Server::Parts {
   Parts(const Options& given, std::shared_ptr<spdlog::logger> logger, const MakePlace& make_place,
         std::function<void()> end);
-  /// What this server is where it answers.
+  /// The identity under which this server answers.
   Identity answering_identity() const;
-  /// Checks that no other server is where this one is to be alone, and takes the next epoch. Throws StartError.
+  /// Checks that no other server runs where this one must be alone, and takes the next epoch. Throws StartError.
   Epoch make_epoch();
-  /// What is due ten times a second; called on the world's thread.
+  /// Tasks due ten times a second; called on the world's thread.
   void tick();
-  /// Logs publishers and clients that are not taken. Part of tick().
+  /// Logs refused publishers and clients. Part of tick().
   void note_refused();
   /// Waits until the world's thread has carried out the jobs of all commands so far, at most 3 s.
   void let_jobs_end();
-  /// Opens the journal beside the epoch's file, and writes down that this epoch has begun; null where there is no folder.
+  /// Opens the journal next to the epoch's file, and records that this epoch has begun; null if there is no folder.
   std::unique_ptr<DurableState> keep();
   void say_unwritten() const;
   bool has_crashed() const;
-  /// Starts the flight recorder; null where it is off.
+  /// Starts the flight recorder; null if it is off.
   std::unique_ptr<FlightRecorder> record();
   /// Whether every publisher from before the crash lives and has sent all its definitions.
   bool has_all_back() const;
@@ -73,13 +73,13 @@ struct Server::Parts {
   Answering::Collaborators answering_collaborators();
   /// Leaves a mark on this machine, for clients that wait for a server.
   void be_present();
-  /// Keeps which publishers are there, for the case of a crash.
+  /// Stores which publishers are connected, for the case of a crash.
   void note_publishers();
 
-  /// Notes of the last tick().
+  /// Values of the last tick().
   struct LastTick {
     std::uint64_t superseded = 0;   // poses
-    std::uint64_t turned_away = 0;  // Answering::clients_turned_away(), as last logged
+    std::uint64_t turned_away = 0;  // Answering::clients_turned_away(), at the last log line
   };
 
   const Options options;
@@ -91,12 +91,12 @@ struct Server::Parts {
   Epoch epoch;
   const Identity identity;
   World world;
-  std::unique_ptr<DurableState> durable;  // null where there is no folder for it
+  std::unique_ptr<DurableState> durable;  // null if there is no folder for it
   Questioning questioning;
   LastTick last_tick;
   Inbox inbox;
-  std::unique_ptr<FlightRecorder> flight;  // null where it is off
-  Inventory inventory;                     // the world's thread's
+  std::unique_ptr<FlightRecorder> flight;  // null if it is off
+  Inventory inventory;                     // of the world's thread
   DdsEventWriter event_writer;
   WorldLoop loop;
   Commands commands;

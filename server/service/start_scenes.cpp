@@ -18,8 +18,8 @@
 namespace collided::engine::service {
 namespace {
 
-/// A line of progress on the terminal that is drawn over and over and leaves no trace. Draws nothing in the first
-/// moments, nor where stderr is no terminal.
+/// A line of progress on the terminal that is redrawn and leaves no trace. Draws nothing in the first moments, nor if
+/// stderr is not a terminal.
 class StartProgress {
  public:
   explicit StartProgress(std::string what) : what_(std::move(what)) {}
@@ -48,7 +48,7 @@ class StartProgress {
   std::atomic<bool> drawn_{false};
 };
 
-/// Whether SIGTERM or SIGINT has come: both are blocked, so they stay pending until this looks.
+/// Whether SIGTERM or SIGINT has come: both are blocked, so they stay pending until this checks.
 bool is_stop_pending() {
   sigset_t pending;
   sigpending(&pending);

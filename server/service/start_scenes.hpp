@@ -8,8 +8,8 @@
 
 namespace collided::engine::service {
 
-/// Loads the scenes that the options name into a world, or the embedded one where they name none. Prints what it does:
-/// progress on a terminal, then a report. Throws LoadError or StartError.
+/// Loads the scenes that the options name into a world, or the embedded one if they name none. Prints its progress on a
+/// terminal, then a report. Throws LoadError or StartError.
 ///
 /// now_ns  world time of the step that makes them visible
 void load_start_scenes(const Options& options, World& world, std::int64_t now_ns);

@@ -54,7 +54,7 @@ void WorldLoop::run() {
 }
 
 void WorldLoop::serve() {
-  // Every shard is written once, the empty ones too, so that a client that waits for all of them need not guess.
+  // Every shard is written once, even the empty ones, so that a client that waits for all of them need not guess.
   broadcast_.mark_all();
   publish();
   next_status_ns_ = steady_ns();
@@ -85,7 +85,7 @@ void WorldLoop::take_arrivals() {
   taking_since_ns_ = 0;
 }
 
-/// Counts the time since the last reading as spent on taking samples, where any are being taken: a step may come between.
+/// Counts the time since the last reading as spent on taking samples, if any are being taken: a step may come between.
 void WorldLoop::count_taking(std::int64_t now_ns) {
   if (taking_since_ns_ == 0) return;
   taken_ns_ += now_ns - taking_since_ns_;
@@ -93,9 +93,8 @@ void WorldLoop::count_taking(std::int64_t now_ns) {
   taking_since_ns_ = now_ns;
 }
 
-/// Writes a status twenty times a second, half as often while it has no reader, however much has come in. While a step
-/// takes longer, the heartbeat repeats it.
-/// Every tenth of a second does what is due less often.
+/// Writes a status twenty times a second, half as often while it has no reader, regardless of how much has arrived.
+/// During a longer step the heartbeat repeats it. Rarer tasks are done every tenth of a second.
 void WorldLoop::keep_time() {
   constexpr std::int64_t kTickNs = 100'000'000;
   const std::int64_t now_ns = steady_ns();
@@ -107,9 +106,9 @@ void WorldLoop::keep_time() {
   settled_lately_ns_.store(settled_ns(), std::memory_order_release);
   if (now_ns < next_tick_ns_) return;
   next_tick_ns_ = now_ns + kTickNs;
-  // What came into a band is told once it has lasted, and who is nearest once all are known, though nothing moves.
+  // An entry into a band is reported once it has lasted, and the nearest once all are known, even if nothing moves.
   if (const Fences* fences = with_.world.fences(); fences != nullptr && fences->waits_for_time()) note_change();
-  // What the objects of a lost publisher may have reached grows with time, and with it what is undecided.
+  // The space that a lost publisher's objects may have reached grows with time, and more becomes undecided.
   if (!with_.world.newest()->stale_objects.empty()) note_change();
   if (say_again_ns_ != 0 && now_ns >= say_again_ns_) {
     say_again_ns_ = 0;
@@ -121,9 +120,9 @@ void WorldLoop::keep_time() {
   say_notices();
 }
 
-/// Whether the recovery is over: what commands had added is there again and, after a crash, so are the publishers from
-/// before it. A lease must have passed too, for a publisher that came just before the crash and was not noted. The wait for
-/// publishers has a limit.
+/// Whether the recovery is over: objects added by commands are restored and, after a crash, the publishers from before
+/// it are back. A lease must have passed too, for a publisher that came just before the crash and was not stored. The
+/// wait for publishers has a limit.
 bool WorldLoop::has_recovered() const {
   if (with_.is_adding_again && with_.is_adding_again()) return false;
   if (options_.recovery_ns == 0) return true;
@@ -159,7 +158,7 @@ void WorldLoop::take(Arrival& arrival) {
   }
 }
 
-/// Makes the mesh that a publisher sent solid, where it has one, or has the definition refused.
+/// Makes a publisher's mesh solid, if there is one, or has the definition refused.
 void WorldLoop::declare_solid(DefinitionSample& sample, bool by_winding) const {
   const auto& mesh = std::get<Shape>(sample.shape).mesh;
   if (!mesh) return;
@@ -186,11 +185,11 @@ void WorldLoop::take(DefinitionSample& sample) {
     }
   }
   apply([&] { return publishers_.define(sample, now_ns); });
-  // Poses that waited for this definition are applied before anything that their publisher sent later.
+  // Poses that waited for this definition are applied before anything sent later by their publisher.
   apply([&] { return publishers_.release_parked(now_ns); });
 }
 
-/// Steps where something has changed and the period since the last step is over.
+/// Steps if something has changed and the period since the last step is over.
 void WorldLoop::step_if_due() {
   pending_changes_ += publishers_.take_changes() + std::exchange(own_changes_, 0);
   if (pending_changes_ == 0) return;
@@ -198,10 +197,10 @@ void WorldLoop::step_if_due() {
   if (now_ns < next_step_ns_) return;
   step_now();
   if (options_.step_ns > 0) {
-    // Counted from the time that was due, not from now, so that the period holds on average.
+    // Counted from the due time, not from now, so that the period holds on average.
     next_step_ns_ = std::max(next_step_ns_ + options_.step_ns, now_ns - options_.step_ns);
   } else {
-    // A pause as long as the step itself, so that the batches that make up one tick of a publisher share a step.
+    // A pause as long as the step itself, so that the batches of one tick of a publisher share a step.
     constexpr std::int64_t kLongestPauseNs = 5'000'000;
     const std::int64_t end_ns = steady_ns();
     next_step_ns_ = end_ns + std::min(end_ns - now_ns, kLongestPauseNs);
@@ -211,13 +210,13 @@ void WorldLoop::step_if_due() {
 void WorldLoop::speak(const SpokenBefore& before) {
   const std::uint64_t first = with_.event_writer.speak(before);
   const std::uint64_t from = first != 0 ? first : with_.world.last_event_sequence() + 1;
-  // Where it was kept from speaking, it tells what was before that, too, once it may.
+  // If it was kept from publishing, it also publishes earlier events once it may.
   told_from_ = told_from_ == 0 ? from : std::min(told_from_, from);
   broadcast_.mark_all();
   standing_broadcast_.mark_all();
   step_now();
   write_status(state());
-  // A client that still took the one before for the server has let these words pass.
+  // Clients that still followed the old primary ignored these messages; send them again shortly.
   constexpr std::int64_t kSoonNs = 300'000'000;
   say_again_ns_ = steady_ns() + kSoonNs;
 }
@@ -255,7 +254,7 @@ void WorldLoop::step_now() {
   sum_up(started_ns, stepped_ns);
 }
 
-/// Adds a step to the sums and traces that any thread may read.
+/// Adds a step to the sums and traces, which any thread may read.
 void WorldLoop::sum_up(std::int64_t started_ns, std::int64_t stepped_ns) {
   const std::int64_t ended_ns = steady_ns();
   const StepCost& cost = with_.world.cost();
@@ -347,7 +346,7 @@ const std::vector<ProbeReading>& WorldLoop::read_probes() {
   return probe_readings_;
 }
 
-/// Writes what the probes read, in frames of kMaxProbesPerFrame.
+/// Writes the probes' readings, in frames of kMaxProbesPerFrame.
 void WorldLoop::publish_probes(const Stamp& stamp) {
   const auto name_of = [&](ObjectId id) {
     const ObjectInfo* info = with_.world.info(id);
@@ -396,7 +395,7 @@ void WorldLoop::write_status(ServerState state) {
   standing_broadcast_.publish_sum(state);
 }
 
-/// Writes only what changes with every step, so it costs little more than listing the publishers.
+/// Writes only values that change with every step, so it costs little more than listing the publishers.
 void WorldLoop::write_step() {
   const SnapshotRing::Lease newest = with_.world.newest();
   status_.stamp = {.version = newest->version, .world_time_ns = newest->world_time_ns};
@@ -470,7 +469,7 @@ void WorldLoop::end_contacts() {
   if (!objects.empty()) step_now();
 }
 
-/// Reports skipped sweeps at the first one and whenever there are twice as many: a line for each step would bury the
+/// Reports skipped sweeps at the first one and whenever their number has doubled: a line for each step would flood the
 /// log.
 void WorldLoop::say_skipped_sweeps() {
   const std::uint64_t before = counts_.sweeps_skipped;

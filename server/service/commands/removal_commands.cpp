@@ -75,8 +75,8 @@ void ObjectCommands::note_removed(const CommandAsk& ask, const ObjectInfo& info)
   keep(KeptKey::of_member(KeptKind::gone, scene, info.name), {ask.client, ask.request, again.dump(), {}});
 }
 
-/// Removes scenes and objects. Objects of live publishers, and whole scenes that the sender's keys do not cover, stay
-/// and are counted as kept. One scene by its name is refused instead.
+/// Removes scenes and objects. Objects of live publishers stay and are counted as kept; so do objects that the sender's
+/// keys do not cover, and scenes with such an object. One scene by its name is refused instead.
 json ObjectCommands::clear(const CommandAsk& ask, const Arguments& arguments) {
   World& world = with_.loop.world();
   const std::string scene = arguments.text("scene");
