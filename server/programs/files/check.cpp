@@ -65,7 +65,7 @@ std::vector<CheckedMesh> check_meshes(const Scene& scene, const Scrutiny& scruti
   return meshes;
 }
 
-/// Every kind of finding with its count, even 0, so that a program that reads it need not ask whether it is there.
+/// Every kind of finding with its count, even 0, so that a reading program need not test for its presence.
 json mesh_json(const CheckedMesh& checked) {
   const MeshHealth& health = checked.health;
   json object{{"triangles", health.triangle_count},
@@ -139,7 +139,7 @@ std::string surface_text(const MeshHealth& health) {
   return health.is_manifold() ? "open, manifold" : "open, not manifold";
 }
 
-/// Prints the result for people, line by line. Without `full` it fits a screen.
+/// Prints the result for people, line by line. Without `full` it fits on a screen.
 class CheckReport {
  public:
   CheckReport(const Scene& scene, const std::vector<CheckedMesh>& meshes, const LoadReport& report,
@@ -149,7 +149,7 @@ class CheckReport {
   void print() {
     line(scene_line(scene_));
     lines("placed", report_.placed);
-    // The lines that follow the meshes have their place on the screen too.
+    // The screen also needs room for the lines that follow the meshes.
     const std::vector<std::string> warnings = this->warnings();
     lines_after_ =
         report_.notes.size() + report_.mended.size() + report_.refused.size() + warnings.size() + (full_ ? 0 : 1);
@@ -178,7 +178,7 @@ class CheckReport {
     for (const std::string& text : texts) line(fmt::format("  {:<9}{}", label, text));
   }
 
-  /// What loading warns of and the findings say as well is left out of the short report.
+  /// The short report omits warnings of loading that the findings repeat.
   std::vector<std::string> warnings() const {
     std::vector<std::string> kept;
     for (const std::string& warning : report_.warnings) {
@@ -218,7 +218,7 @@ class CheckReport {
     }
   }
 
-  /// The findings, worst kind first; below each its worst places, as far as the screen goes.
+  /// The findings, worst kind first; below each its worst places, as far as the screen allows.
   void print_findings(const CheckedMesh& checked) {
     const std::vector<MeshFinding> findings = by_weight(findings_of(checked, kWorstInTable));
     if (findings.empty()) line("  nothing is wrong with it");
@@ -237,8 +237,8 @@ class CheckReport {
     }
   }
 
-  /// Of a consequence in several clauses, on a screen that is too narrow for all, the first and the last, which says
-  /// what to do.
+  /// If the screen is too narrow for all clauses of a consequence, only the first and the last, which recommends an
+  /// action.
   std::string finding_text(const MeshFinding& finding) {
     const std::string head = fmt::format("  {:>11}  {:<20} ", grouped(finding.count), finding.what);
     const std::string& all = finding.consequence;
@@ -270,7 +270,7 @@ class CheckReport {
     return text;
   }
 
-  /// The name within its scene, cut where it is long: an IFC part's ends in 22 characters that no one reads.
+  /// The name within its scene, cut if it is long: an IFC part's ends in 22 characters that no one reads.
   std::string short_name(const std::string& name) {
     constexpr std::size_t kLongest = 30;
     std::string_view text = name;
@@ -282,7 +282,7 @@ class CheckReport {
     return std::string(text.substr(0, end)) + "...";
   }
 
-  /// One line a mesh, those with findings first.
+  /// One line per mesh, those with findings first.
   void summarize_meshes() {
     std::vector<std::string> faulty;
     std::vector<std::string> sound;
@@ -306,7 +306,7 @@ class CheckReport {
     }
   }
 
-  /// Full digits on request; else as many as tell a thousandth of a thousandth of the size.
+  /// Full digits on request; else enough to resolve a millionth of the size.
   std::string corner_text(const Vec3& corner, double size_m) const {
     const bool rounds = !full_ && size_m > 0 && std::isfinite(size_m);
     if (!rounds) return point_text(corner);
@@ -325,7 +325,7 @@ class CheckReport {
   const bool quiet_;
   std::size_t printed_ = 0;
   std::size_t lines_after_ = 0;  // that will follow the meshes
-  bool is_cut_ = false;          // something was left out for want of space
+  bool is_cut_ = false;          // something was left out for lack of space
 };
 
 }  // namespace

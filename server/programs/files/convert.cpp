@@ -29,7 +29,7 @@ Vec3 middle(const Scene& scene) {
   return (all.low / 2 + all.high / 2).array().round();
 }
 
-/// a - b; counts the difference where it was rounded.
+/// a - b; counts the difference if it was rounded.
 double subtract(double a, double b, std::uint64_t& rounded_count) {
   const double difference = a - b;
   if (lost_in_sum(a, -b, difference) != 0) ++rounded_count;
@@ -81,7 +81,7 @@ Scene load_showing_progress(const FileOptions& file, LoadReport& report) {
   return load(file, report, [&](double fraction) { line.tell(fraction); });
 }
 
-/// What does not go together is said before anything is read.
+/// Reports contradicting options before anything is read.
 void check(const ConvertOptions& options) {
   const bool is_tiled = !options.tiles.empty();
   if (is_tiled && !options.output.ends_with(".ctiles"))
@@ -106,7 +106,7 @@ void convert_whole(const ConvertOptions& options, LoadReport& report) {
   fmt::print("{}\n", scene_line(scene));
   if (options.center) move_to_origin(scene, middle(scene));
   if (!options.origin.empty()) move_to_origin(scene, parse_point("--origin", options.origin));
-  // Indexes and orders that the file brought are of the mesh as it was, so they are made anew.
+  // The file's indexes and orders belong to the mesh as it was, so they are rebuilt.
   forget_indexes(scene);
   scene.collapses = {};
   const CollapseCost cost = options.cost == "length" ? CollapseCost::edge_length : CollapseCost::quadric;

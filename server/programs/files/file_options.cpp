@@ -98,7 +98,7 @@ std::string scene_line(const Scene& scene) {
 
 std::string shortest(double value) {
   constexpr double kLeastPlain = 1e-4;
-  constexpr double kMostPlain = 1e15;  // from here on plain notation would show digits that no double holds
+  constexpr double kMostPlain = 1e15;  // above this, plain notation would show digits that no double holds
   std::array<char, 40> text{};
   const double size = std::abs(value);
   const bool is_plain = size == 0 || (size >= kLeastPlain && size < kMostPlain);

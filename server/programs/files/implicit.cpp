@@ -153,7 +153,7 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-/// Reads a line from stdin; false at the end. Of a line that is too long only the beginning is kept, for the error
+/// Reads a line from stdin; false at the end. Only the beginning of a line that is too long is kept, for the error
 /// message.
 bool next_line(std::string& line, bool& too_long) {
   std::array<char, kMaxLineBytes + 1> buffer{};
@@ -167,7 +167,7 @@ bool next_line(std::string& line, bool& too_long) {
   return too_long || !std::cin.fail();
 }
 
-/// Answers each line of stdin, but empty ones and those that begin with #.
+/// Answers each line of stdin, except empty ones and those that begin with #.
 int ask_lines(const ImplicitSurface& surface, double length_m, bool as_json) {
   bool refused = false;
   bool too_long = false;

@@ -17,8 +17,8 @@ struct ImplicitOptions {
 };
 
 /// Prints where rays meet an implicit surface, or on which side of it points are. Exit codes are those of `collide`: 0
-/// hit, inside or on; 1 miss or outside; 3 undecided; 6 some lines of a batch were refused. Throws LoadError for what
-/// cannot be answered.
+/// hit, inside or on; 1 miss or outside; 3 undecided; 6 some lines of a batch were refused. Throws LoadError for
+/// questions that cannot be answered.
 int implicit(const ImplicitOptions& options);
 
 }  // namespace collided::engine::files

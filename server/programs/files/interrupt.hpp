@@ -4,7 +4,7 @@
 
 namespace collided::engine::files {
 
-/// From then on Ctrl-C (SIGINT) only sets is_interrupted(), so that nothing is left half written.
+/// After this call Ctrl-C (SIGINT) only sets is_interrupted(), so that nothing is left half written.
 void listen_for_interrupt();
 
 /// Whether Ctrl-C was pressed since listen_for_interrupt().
@@ -12,7 +12,7 @@ void listen_for_interrupt();
 /// threads  any
 bool is_interrupted();
 
-/// Thrown to end because the user asked for it; not an error.
+/// Thrown to end at the user's request; not an error.
 struct Interrupted : std::exception {
   const char* what() const noexcept override { return "interrupted"; }
 };

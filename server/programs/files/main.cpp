@@ -12,16 +12,18 @@
 #include "server/programs/files/points.hpp"
 #include "server/programs/files/triangles.hpp"
 
-// collided-files check FILE [--json] ... | convert IN OUT ... | implicit POLYNOMIAL NUMBERS ... | triangles FILE | points FILE
+// collided-files check FILE [--json] ... | convert IN OUT ... | implicit POLYNOMIAL NUMBERS ... | triangles FILE |
+// points FILE
 //
-// The program behind `collide check`, `collide convert`, `collide implicit` the shapes mesh FILE and hull FILE, and scans
-// that become voxels: the readers and the exact tests belong to the server, and the client does not contain the server's code.
+// The program behind `collide check`, `collide convert`, `collide implicit`, the shapes mesh FILE and hull FILE, and
+// scans that become voxels: the readers and the exact tests belong to the server, and the client does not contain the
+// server's code.
 
 namespace {
 
 constexpr int kInterrupted = 130;
 
-/// The parser's help with descriptions that end within a terminal.
+/// The parser's help with descriptions that fit a terminal.
 class NarrowHelp : public CLI::Formatter {
  public:
   std::string make_option_desc(const CLI::Option* option) const override {
@@ -57,8 +59,8 @@ void declare_reading(CLI::App& verb, collided::engine::files::FileOptions& file)
       ->allow_extra_args(false);
 }
 
-/// The command line's words, last first as the parser takes them. In `implicit` a polynomial or a number may begin with
-/// a minus sign; a blank in front keeps the parser from taking it for an option.
+/// The command line's words in reverse order, as the parser needs them. In `implicit` a polynomial or a number may
+/// begin with a minus sign; a blank in front keeps the parser from taking it for an option.
 std::vector<std::string> words_of(int argument_count, char** arguments) {
   std::vector<std::string> words;
   const bool shields = argument_count > 1 && std::string_view(arguments[1]) == "implicit";
@@ -75,7 +77,7 @@ std::string without_blanks(std::string word) {
   return word;
 }
 
-/// The verb's option that begins most like the word, as "--unit" for "--uni"; empty where none begins like it.
+/// The verb's option with the longest common beginning, such as "--unit" for "--uni"; empty if there is none.
 std::string nearest_option(const CLI::App& verb, std::string_view word) {
   constexpr std::size_t kLeastShared = 3;  // the dashes and a letter
   std::string nearest;
@@ -92,7 +94,7 @@ std::string nearest_option(const CLI::App& verb, std::string_view word) {
   return nearest;
 }
 
-/// What is wrong with the words that the parser did not take, and how the verb is written.
+/// The error in words that the parser rejected, and how the verb is written.
 std::string complaint(const CLI::App& app, const CLI::ParseError& error) {
   const std::vector<CLI::App*> verbs = app.get_subcommands();
   if (verbs.empty()) return error.what();

@@ -14,7 +14,7 @@
 namespace collided::engine::files {
 namespace {
 
-/// The number of each triangle's part; parts are what a file's materials and groups have become.
+/// The number of each triangle's part; parts come from a file's materials and groups.
 std::vector<std::uint32_t> part_numbers(const TriangleMesh& mesh, const std::vector<Part>& parts) {
   std::vector<std::uint32_t> numbers(mesh.triangles.size());
   for (std::uint32_t i = 0; i < parts.size(); ++i) {
@@ -23,7 +23,7 @@ std::vector<std::uint32_t> part_numbers(const TriangleMesh& mesh, const std::vec
   return numbers;
 }
 
-/// One fault at a triangle, and how bad it is.
+/// One fault at a triangle, and its severity.
 struct TriangleFault {
   std::uint32_t triangle = 0;
   double size_m = 0;

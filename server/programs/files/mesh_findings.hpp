@@ -11,7 +11,7 @@
 
 namespace collided::engine::files {
 
-/// A mesh of a file, and what was found out about it.
+/// A mesh of a file, with its findings.
 struct CheckedMesh {
   std::string name;
   const TriangleMesh* mesh = nullptr;
@@ -39,13 +39,14 @@ struct Scrutiny {
 CheckedMesh check_mesh(std::string name, const TriangleMesh& mesh, const std::vector<Part>* parts,
                        const Scrutiny& scrutiny, const std::function<void(double)>& progress);
 
-/// A triangle as answers name it.
+/// A triangle as named in answers.
 struct NamedTriangle {
   std::string object;
   std::uint32_t triangle = 0;
 };
 
-/// Where a finding is: a triangle, in `detail` a side or a point, where there is one, and the triangle that it meets.
+/// Where a finding is: a triangle; in `detail` a side or a point, if there is one; and the other triangle of an
+/// intersection.
 struct FindingPlace {
   std::string object;
   std::uint32_t triangle = 0;
@@ -59,13 +60,13 @@ struct MeshFinding {
   const char* what;  // its name in the table
   std::uint64_t count = 0;
   std::vector<FindingPlace> worst;  // worst first
-  std::string consequence;          // what the service does about it
+  std::string consequence;          // how the service handles it
 };
 
 /// The faults that the mesh has, in a fixed order, each with at most worst_count places.
 std::vector<MeshFinding> findings_of(const CheckedMesh& checked, std::size_t worst_count);
 
-/// The same findings, what spoils answers first and what is usual last.
+/// The same findings, those that spoil answers first and common ones last.
 std::vector<MeshFinding> by_weight(std::vector<MeshFinding> findings);
 
 }  // namespace collided::engine::files

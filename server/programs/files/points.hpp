@@ -4,8 +4,8 @@
 
 namespace collided::engine::files {
 
-/// Prints the middles of the file's balls on standard output, one a line as "X Y Z": the points of a cloud. What a file
-/// holds besides is told on standard error. Returns the exit code. Throws LoadError.
+/// Prints the centres of the file's balls on standard output, one a line as "X Y Z": the points of a cloud. Reports the
+/// rest of the file on standard error. Returns the exit code. Throws LoadError.
 int points(const FileOptions& file);
 
 }  // namespace collided::engine::files

@@ -6,7 +6,7 @@
 
 namespace collided::engine::files {
 
-/// One line on stderr that shows how far a long task is: only on a terminal, and only after 400 ms; the destructor
+/// One line on stderr that shows the progress of a long task: only on a terminal, and only after 400 ms; the destructor
 /// erases it.
 class ProgressLine {
  public:

@@ -17,7 +17,7 @@
 namespace collided::engine::files {
 namespace {
 
-/// The number of triangles that the user's target means; throws LoadError.
+/// The number of triangles for the user's target; throws LoadError.
 std::size_t triangles_asked(const std::string& target, std::size_t triangle_count) {
   double number = 0;
   const char* const end = target.data() + target.size();
@@ -54,7 +54,7 @@ std::string rounded_up(double value) {
   return shortest(shown);
 }
 
-/// The size by which it is judged how much simplification has changed.
+/// The size to which a change by simplification is compared.
 double diagonal_m(const TriangleMesh& mesh) {
   Aabb bounds;
   for (const Vec3& vertex : mesh.vertices) bounds.extend(vertex);
@@ -68,7 +68,7 @@ std::string refusals(const SimplifyReport& report) {
       grouped(report.flip_refusals), grouped(report.crossing_refusals), grouped(report.topology_refusals));
 }
 
-/// Gives each part the run of triangles that the level has left of it; parts without any are removed.
+/// Gives each part its remaining run of triangles in the level; parts without any are removed.
 void recount_parts(const LevelTriangles& level, std::vector<Part>& parts) {
   auto next = level.originals.begin();
   std::uint32_t first = 0;

@@ -15,7 +15,7 @@
 namespace collided::engine::files {
 namespace {
 
-/// A mesh with what a tile file says of it.
+/// A mesh with its entry in a tile file.
 struct NamedMesh {
   const std::string& name;
   const std::string& source;
@@ -34,7 +34,7 @@ void write(const std::string& path, const NamedMesh& from, const std::string& ti
              counted(report.largest_triangles, "triangle"), grouped(report.bytes));
 }
 
-/// What was called off is no error.
+/// Calling off is not an error.
 template <class Work>
 auto interruptible(const Work& work) {
   try {

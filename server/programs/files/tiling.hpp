@@ -8,13 +8,13 @@
 
 namespace collided::engine::files {
 
-/// What --tiles says: a length, as "100m", or "auto". Throws LoadError.
+/// The value of --tiles: a length, such as "100m", or "auto". Throws LoadError.
 TilingOptions tiling_of(const std::string& text);
 
 /// Writes the scene's mesh as a tile file and prints what was written. Throws LoadError or Interrupted.
 void write_in_tiles(const std::string& path, const std::string& source, const Scene& scene, const std::string& tiles);
 
-/// The same of a file that can be read piece by piece, in far less memory than its mesh takes. False: it cannot, and
+/// The same for a file that can be read in pieces, with far less memory than its mesh takes. False: it cannot, and
 /// nothing was done.
 bool stream_into_tiles(const std::string& path, const FileOptions& file, const std::string& tiles, LoadReport& report);
 

@@ -35,7 +35,7 @@ AssimpPlacement operator*(const AssimpPlacement& parent, const aiMatrix4x4& m) {
   return {parent.linear * linear, parent.linear * Vec3(m.a4, m.b4, m.c4) + parent.offset};
 }
 
-/// Which axis is up in what Assimp returns, by format. It turns some formats so that y is up, and others not at all.
+/// Which axis is up in Assimp's result, by format. Assimp turns some formats so that y is up, and others not at all.
 enum class Turned {
   never,        // the numbers are the file's
   from_z,       // the format has z up, and Assimp turned it about x
@@ -65,7 +65,7 @@ AssimpFormat format_of(const aiScene& scene) {
   return {};
 }
 
-/// FBX states its axis in the metadata, and Assimp leaves the numbers alone.
+/// FBX declares its axis in the metadata, and Assimp leaves the numbers unchanged.
 bool says_y_is_up(const aiScene& scene) {
   std::int32_t axis = 0;
   return scene.mMetaData != nullptr && scene.mMetaData->Get("UpAxis", axis) && axis == 1;
@@ -78,7 +78,7 @@ Mat3 y_to_z() {
   return turn;
 }
 
-/// Undoes the turn by a quarter about x of a format that has z up. For IFC Assimp takes the cosine of a quarter turn in
+/// Undoes the quarter turn about x of a format that has z up. For IFC Assimp takes the cosine of a quarter turn in
 /// single precision, which is -4e-8 and not 0: half a micrometre at 10 m, unless the same angle is turned back.
 Mat3 undo_turn(std::string_view format) {
   const double cosine = format == "IFC" ? static_cast<float>(std::cos(static_cast<double>(AI_MATH_HALF_PI_F))) : 0.0;
@@ -88,15 +88,15 @@ Mat3 undo_turn(std::string_view format) {
   return undo;
 }
 
-/// The turn with those entries made whole that are so but for the rounding of the product it came from: what was level in
-/// the file stays level.
+/// The turn with entries rounded to whole numbers if they differ only by the rounding of a product: horizontal lines of
+/// the file stay horizontal.
 Mat3 without_rounding(const Mat3& turn) {
   constexpr double kFewRoundings = 0x1p-50;
   return turn.unaryExpr([](double x) { return std::abs(x - std::round(x)) <= kFewRoundings ? std::round(x) : x; });
 }
 
-/// What makes z be up in a scene as Assimp returned it, and says so. A caller who names the axis gets the file's own
-/// numbers, which are turned afterwards.
+/// The turn that makes z up in a scene as Assimp returned it, with a note in the report. A caller who names the axis
+/// gets the file's own numbers, which are turned afterwards.
 Mat3 upright(const aiScene& scene, const LoadOptions& options, LoadReport& report) {
   const AssimpFormat format = format_of(scene);
   if (format.name.empty()) return Mat3::Identity();
@@ -119,7 +119,7 @@ Mat3 upright(const aiScene& scene, const LoadOptions& options, LoadReport& repor
 
 class AssimpReader {
  public:
-  /// turn  applied to everything that Assimp returned
+  /// turn  applied to the whole result of Assimp
   AssimpReader(const aiScene& from, const Mat3& turn, const LoadOptions& options, LoadReport& report)
       : from_(from), turn_(turn), options_(options), report_(report) {}
 
@@ -150,7 +150,7 @@ class AssimpReader {
     }
   }
 
-  /// The node's name, with its parent's in front where several nodes have it: "IfcMappedItem" alone says little.
+  /// The node's name, after its parent's if several nodes have the same: "IfcMappedItem" alone is not informative.
   std::string part_name(const aiNode& node) {
     const std::string name = node.mName.C_Str();
     const bool needs_parent = name_counts_[name] > 1 && node.mParent != nullptr && node.mParent->mName.length > 0;
@@ -190,7 +190,7 @@ class AssimpReader {
     warn_of_lost_digits(mesh, placement);
   }
 
-  /// mirrors  the node shows the mesh as in a mirror: the corners then run round the other way
+  /// mirrors  the node mirrors the mesh: the order of corners is then reversed
   void add_face(const aiFace& face, unsigned vertex_count, std::uint32_t first_vertex, bool mirrors) {
     if (face.mNumIndices != 3) {
       ++other_faces_;
@@ -207,7 +207,7 @@ class AssimpReader {
     scene_.mesh.triangles.push_back(corners);
   }
 
-  // Looks at the mesh before the node moves it: afterwards its numbers are no longer those of single precision.
+  // Examines the mesh before the node moves it: afterwards its numbers are no longer single precision.
   void warn_of_lost_digits(const aiMesh& mesh, const AssimpPlacement& placement) {
     if (!precision_warning_.empty()) { return; }
     TriangleMesh raw;
@@ -239,8 +239,8 @@ class AssimpReader {
   std::string precision_warning_;
 };
 
-/// Refuses an IFC file of a schema that Assimp misreads: it knows IFC2x3 alone, and ends with a type error or a signal on
-/// others. The schema stands in the header of a STEP file (ISO 10303-21), FILE_SCHEMA(('IFC4')).
+/// Refuses an IFC file of a schema that Assimp misreads: it supports only IFC2x3, and ends with a type error or a
+/// signal on others. The schema is in the header of a STEP file (ISO 10303-21), FILE_SCHEMA(('IFC4')).
 void refuse_other_ifc(const std::string& path) {
   constexpr std::size_t kHeaderBytes = 65536;
   std::string head(kHeaderBytes, '\0');

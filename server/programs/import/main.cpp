@@ -102,7 +102,7 @@ int main(int argument_count, char** argument_list) {
         stderr);
     return 2;
   }
-  // Opened before the sandbox, which allows no file to be opened for writing.
+  // Opened before the sandbox, in which no file can be opened for writing.
   const int output = ::open(arguments.output.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0600);
   if (output < 0) {
     std::fprintf(stderr, "%s: %s\n", arguments.output.c_str(), std::strerror(errno));
@@ -110,7 +110,7 @@ int main(int argument_count, char** argument_list) {
   }
   // A file may name others, in its own folder.
   const std::string folder = std::filesystem::absolute(arguments.input).parent_path().string();
-  // Robots' packages elsewhere cannot be opened from here.
+  // Packages of robots in other folders cannot be opened from here.
   for (const char* variable : {"ROS_PACKAGE_PATH", "AMENT_PREFIX_PATH"}) ::unsetenv(variable);
   if (const std::string why = collided::engine::enter_sandbox(output, {arguments.input, folder}); !why.empty()) {
     std::fprintf(stderr, "%s\n", why.c_str());

@@ -1,6 +1,6 @@
 #include "server/programs/import/assimp_scene.hpp"
 
-// Stands in for assimp_scene.cpp in a build without Assimp.
+// Replaces assimp_scene.cpp in a build without Assimp.
 namespace collided::engine {
 
 Scene read_with_assimp(const std::string&, const LoadOptions&, LoadReport&) {

@@ -27,7 +27,7 @@ namespace {
 constexpr rlim_t kMostMemoryBytes = rlim_t{8} << 30;
 constexpr rlim_t kOutputBytes = rlim_t{4} << 30;
 
-/// A smaller limit that is already set stays.
+/// A smaller existing limit stays.
 bool limit(int resource, rlim_t amount) {
   rlimit set{};
   if (::getrlimit(static_cast<__rlimit_resource_t>(resource), &set) != 0) return false;
@@ -95,7 +95,7 @@ class SyscallFilter {
   SyscallFilter(const SyscallFilter&) = delete;
   SyscallFilter& operator=(const SyscallFilter&) = delete;
 
-  /// Adds a rule for a system call. One that this kernel does not have needs none.
+  /// Adds a rule for a system call. A call that this kernel lacks needs none.
   template <class... Conditions>
   void rule(std::uint32_t action, const char* name, Conditions... conditions) {
     const int call = ::seccomp_syscall_resolve_name(name);
@@ -110,7 +110,7 @@ class SyscallFilter {
   int fault_ = 0;
 };
 
-/// Landlock's calls, for which the C library has no functions; source landlock(7).
+/// Landlock's system calls, for which the C library has no functions; source landlock(7).
 int landlock_version() {
   return static_cast<int>(::syscall(SYS_landlock_create_ruleset, nullptr, 0, LANDLOCK_CREATE_RULESET_VERSION));
 }
@@ -127,13 +127,13 @@ bool allow_beneath(int rules, const std::string& path) {
   return is_added;
 }
 
-/// Leaves only these files to be opened. Returns why it could not be done, or nothing.
+/// Allows only these files to be opened. Returns why it could not be done, or nothing.
 std::string leave_only(const std::vector<std::string>& readable) {
   const int version = landlock_version();
-  // A kernel may be without it; one that has it and may not be asked is a mistake of whoever set the limits around us.
+  // A kernel may lack it; if it has it but denies its use, the limits around this process are misconfigured.
   if (version < 1 && (errno == ENOSYS || errno == EOPNOTSUPP)) return {};
   if (version < 1) return std::string("the files that it may read cannot be limited: ") + std::strerror(errno);
-  // Every kind of access of the first version, and what came with the second (refer) and third (truncate).
+  // Every kind of access of the first version, and those added by the second (refer) and third (truncate).
   std::uint64_t handled = (std::uint64_t{LANDLOCK_ACCESS_FS_MAKE_SYM} << 1) - 1;
   if (version >= 2) handled |= std::uint64_t{1} << 13;
   if (version >= 3) handled |= std::uint64_t{1} << 14;
@@ -148,8 +148,8 @@ std::string leave_only(const std::vector<std::string>& readable) {
   return is_done ? std::string() : std::string("the files that it may read cannot be limited: ") + std::strerror(fault);
 }
 
-/// Gives up what a privileged user may do beyond others. Where there is nothing to give up it is not tried: a service's
-/// unit that leaves no capability may well forbid the call too.
+/// Drops privileges of a privileged user. If there are none the call is not tried: a service unit without capabilities
+/// may forbid it too.
 bool drop_capabilities() {
   __user_cap_header_struct header{.version = _LINUX_CAPABILITY_VERSION_3, .pid = 0};
   std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> held{}, none{};
@@ -161,7 +161,7 @@ bool drop_capabilities() {
   return ::syscall(SYS_capset, &header, none.data()) == 0;
 }
 
-/// Files may be opened only in ways that cannot change them: not to write, make or cut them.
+/// Files may be opened only in ways that cannot change them: not written, created or truncated.
 void allow_opening(SyscallFilter& filter) {
   constexpr std::uint64_t kChanging = O_WRONLY | O_RDWR | O_CREAT | O_TRUNC | O_APPEND;
   filter.rule(SCMP_ACT_ALLOW, "openat", SCMP_A2_64(SCMP_CMP_MASKED_EQ, kChanging, 0));
@@ -173,7 +173,8 @@ void allow_memory(SyscallFilter& filter) {
     filter.rule(SCMP_ACT_ALLOW, name, SCMP_A2_64(SCMP_CMP_MASKED_EQ, PROT_EXEC, 0));
 }
 
-/// What the C library does with descriptors. To whom signals about them go, and which, is refused.
+/// The C library's operations on descriptors. Setting the receiver of their signals, and which signals these are, is
+/// refused.
 void allow_descriptors(SyscallFilter& filter) {
   for (const unsigned command : {F_GETFD, F_SETFD, F_GETFL, F_DUPFD_CLOEXEC})
     filter.rule(SCMP_ACT_ALLOW, "fcntl", SCMP_A1_32(SCMP_CMP_EQ, command));
@@ -214,16 +215,16 @@ std::string enter_sandbox(int output, const std::vector<std::string>& readable) 
   if (!readable.empty()) allow_opening(filter);
   allow_memory(filter);
   allow_descriptors(filter);
-  // Threads may be made, processes not. clone3 has its flags in memory, where a filter cannot see them; refused, the C
+  // Threads may be made, processes not. clone3 has its flags in memory, where a filter cannot read them; refused, the C
   // library falls back to clone.
   filter.rule(SCMP_ACT_ALLOW, "clone",
               SCMP_A0_64(SCMP_CMP_MASKED_EQ, CLONE_THREAD | CLONE_VM, CLONE_THREAD | CLONE_VM));
   filter.rule(SCMP_ACT_ERRNO(ENOSYS), "clone3");
-  // The C library tries these in passing and does not mind that they fail.
+  // The C library tries these and tolerates their failure.
   for (const char* name : {"ioctl", "sched_setaffinity", "prctl"}) filter.rule(SCMP_ACT_ERRNO(EPERM), name);
   filter.rule(SCMP_ACT_ERRNO(EPERM), "prlimit64", SCMP_A2_64(SCMP_CMP_NE, 0));
   filter.rule(SCMP_ACT_ALLOW, "prlimit64", SCMP_A0_32(SCMP_CMP_EQ, 0), SCMP_A2_64(SCMP_CMP_EQ, 0));
-  // A signal to itself, as abort() sends it.
+  // A signal to itself, sent by abort().
   filter.rule(SCMP_ACT_ALLOW, "tgkill", SCMP_A0_32(SCMP_CMP_EQ, static_cast<unsigned>(::getpid())));
   const int fault = filter.load();
   if (fault != 0) return std::string("its system calls cannot be limited: ") + std::strerror(-fault);

@@ -12,21 +12,21 @@ inline constexpr bool kSandboxLimitsCalls = false;
 inline constexpr bool kSandboxLimitsCalls = true;
 #endif
 
-/// Takes from this process, for good, all that reading files and writing one does not need. Memory, processor time and
-/// the size of the output are limited, capabilities are dropped, and other processes may not look into it. Every system
-/// call but those for reading files, for memory, for threads and for writing to `output` and the standard streams ends
-/// the process with SIGSYS: it cannot open files for writing, open sockets, run programs, make pages both writable and
-/// executable, or touch other processes. No file can be opened but those in `readable`, by Landlock; a kernel without it
-/// (before 5.13, or where it is switched off) limits what can be opened to reading.
+/// Permanently restricts this process to reading files and writing one. Memory, processor time and the size of the
+/// output are limited, capabilities are dropped, and other processes may not inspect it. Every system call except those
+/// for reading files, for memory, for threads and for writing to `output` and the standard streams ends the process
+/// with SIGSYS: it cannot open files for writing, open sockets, run programs, make pages both writable and executable,
+/// or touch other processes. Landlock allows only the files in `readable` to be opened; a kernel without it (before
+/// 5.13, or with it disabled) allows reading any file.
 ///
-/// output    descriptor of the file to write, open already
-/// readable  files, and folders with all that is in them; empty: none, and trying to open one ends the process
+/// output    descriptor of the file to write, already open
+/// readable  files, and folders with all their content; empty: none, and trying to open one ends the process
 /// returns   why it could not be done, or nothing
 std::string enter_sandbox(int output, const std::vector<std::string>& readable = {});
 
-/// Bytes of address space that the process may take: a quarter of the machine's memory, at most 8 GiB.
+/// Address space that the process may use, in bytes: a quarter of the machine's memory, at most 8 GiB.
 unsigned long long sandbox_memory_bytes();
-/// Seconds of processor time that it may take: $COLLIDED_IMPORT_SECONDS, 30 where that is not set.
+/// Processor time that it may use, in seconds: $COLLIDED_IMPORT_SECONDS, or 30 if that is not set.
 unsigned long long sandbox_seconds();
 
 }  // namespace collided::engine

@@ -24,12 +24,12 @@
 namespace collided::engine {
 namespace {
 
-/// FCL gets no tree over the solids, so each is tried against each; this bounds the time.
+/// FCL gets no tree over the solids, so each is tested against each; this bounds the time.
 constexpr std::size_t kMostSolidPairs = 1'000'000;
 
 using Geometry = std::shared_ptr<fcl::CollisionGeometryd>;
 
-/// Thrown for a shape or a pair that FCL cannot answer about.
+/// Thrown for a shape or a pair that FCL does not support.
 struct Unsupported {
   std::string why;
 };
@@ -46,7 +46,7 @@ fcl::Transform3d moved_to(const Vec3& position) {
   return at;
 }
 
-/// FCL turns shapes by rotations only, so axes that are not square to each other are unsupported.
+/// FCL turns shapes by rotations only, so axes that are not perpendicular are unsupported.
 fcl::Transform3d along_axes(const Vec3& center, const Mat3& axes) {
   constexpr double kRotation = 1e-6;
   if (!(axes.transpose() * axes).isApprox(Mat3::Identity(), kRotation))
@@ -58,7 +58,7 @@ fcl::Transform3d along_axes(const Vec3& center, const Mat3& axes) {
   return at;
 }
 
-/// FCL's cylinders and the like stand along z with their middle in the origin.
+/// FCL's cylinders and similar shapes stand along z with their centre at the origin.
 fcl::Transform3d along_segment(const Vec3& from, const Vec3& to) {
   fcl::Transform3d at = moved_to(from / 2 + to / 2);
   if (from != to) at.linear() = Quat::FromTwoVectors(Vec3::UnitZ(), to - from).toRotationMatrix();
@@ -117,7 +117,7 @@ std::vector<FclPart> fcl_parts(const std::vector<ConvexPart>& parts) {
 
 bool touch(const FclPart& a, const FclPart& b) {
   if (a.is_half_space && b.is_half_space) throw Unsupported{"two half-spaces"};
-  const fcl::CollisionRequestd request;  // a yes or no, without contacts
+  const fcl::CollisionRequestd request;  // yes or no, without contacts
   fcl::CollisionResultd result;
   return fcl::collide(a.geometry.get(), a.at, b.geometry.get(), b.at, request, result) > 0;
 }
@@ -130,7 +130,7 @@ double distance(const FclPart& a, const FclPart& b) {
   return fcl::distance(a.geometry.get(), a.at, b.geometry.get(), b.at, request, result);
 }
 
-/// Whether any two parts touch, else the least distance of two.
+/// Whether any two parts touch, else their least distance.
 std::string answer(const std::vector<FclPart>& a, const std::vector<FclPart>& b) {
   for (const FclPart& x : a) {
     for (const FclPart& y : b) {

@@ -12,12 +12,12 @@
 // collided-opinion
 //
 // Reads two objects from stdin (opinion_request.hpp) and prints FCL's answer about them in one line. This is a process
-// of its own that may do nothing else, with the importer's limits (sandbox.hpp): FCL ends its process where one of its
+// of its own that may do nothing else, with the importer's limits (sandbox.hpp): FCL ends its process if one of its
 // assumptions fails, and the server lives on.
 
 namespace {
 
-/// All bytes on stdin, but no more than one beyond the limit: that is enough to refuse them.
+/// All bytes on stdin, but at most one beyond the limit: that is enough to refuse them.
 std::vector<std::byte> read_all() {
   std::vector<std::byte> bytes;
   std::array<std::byte, 65536> piece;
