@@ -23,7 +23,7 @@ namespace {
 /// At zero, VCollideAdapter.TakesARotationRoundedToSixDigits fails.
 constexpr double kRotationSlack = kUnitNormSlack;
 
-/// A closed object has a mesh; its frame is where it was last moved to.
+/// A closed object has a mesh; its frame is its last transform.
 struct Object {
   ObjectInfo info;
   std::vector<int> triangle_ids;
@@ -51,8 +51,8 @@ struct Meeting {
   }
 };
 
-/// Reads the rotation nearest to the matrix and its translation; returns what is wrong with it, and then leaves the
-/// frame alone.
+/// Reads the rotation nearest to the matrix and its translation; returns the error, and then leaves the frame
+/// unchanged.
 std::string read_frame(const double trans[4][4], Frame& frame) {
   Mat3 rotation;
   Vec3 position;

@@ -81,9 +81,9 @@ class VCollide {
   /// cost  grows with the objects whose bounding boxes overlap, and with their triangles near each other
   int Collide(VCReport* report, int flag = VC_FIRST_CONTACT);
 
-  /// Of the last call that failed: what was wrong, the value and the limit. Empty until one fails.
+  /// Describes the last call that failed: what was wrong, the value and the limit. Empty until one fails.
   const std::string& LastError() const;
-  /// Of the last Collide: active pairs of objects whose boxes overlapped, and pairs of triangles tested exactly.
+  /// Counts of the last Collide: active pairs of objects whose boxes overlapped, and pairs of triangles tested exactly.
   std::size_t ObjectCandidates() const;
   std::size_t TriangleCandidates() const;
 
