@@ -30,7 +30,7 @@ void declare_globals(CLI::App& app, Globals& globals) {
   option(app, "--keys DIR", globals.keys, "Folder of keys, where the server has some (COLLIDED_KEYS)")
       ->group(connection);
   option(app, "--shards MAP", globals.shards,
-         "Shard map of a world on several servers, a file or etcd://HOST:PORT/KEY, in place of one; see help fleets")
+         "Shard map of a world on several servers, a file or etcd://HOST:PORT/KEY, in place of one; see help shards")
       ->group(connection);
   option(app, "--wait", globals.wait, "At most so long for a server to answer hello (2s, and more on a busy machine)")
       ->group(connection);

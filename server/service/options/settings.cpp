@@ -261,7 +261,7 @@ constexpr Setting kSettings[] = {
     {"server.take_over_after", "--take-over-after", "COLLIDED_TAKE_OVER_AFTER", "200ms", "TIME",
      "of a standby: a primary that is silent for so long is replaced; or never", false, nullptr},
     {"server.authority", "--authority", "COLLIDED_AUTHORITY", "", "ADDRESS",
-     "etcd://HOST:PORT,.../KEY: only who has its lease there is the primary; see the guide, fleets", false, nullptr},
+     "etcd://HOST:PORT,.../KEY: only who has its lease there is the primary; see the guide, failover", false, nullptr},
     {"server.authority_mode", "--authority-mode", "COLLIDED_AUTHORITY_MODE", "strict", "MODE",
      "a standby takes the place once the primary's lease has ended (strict), or at once (fast)", false, nullptr},
     {"server.authority_lease", "--authority-lease", "COLLIDED_AUTHORITY_LEASE", "3s", "TIME",
