@@ -229,6 +229,10 @@ std::uint32_t World::remove_scene(std::string_view name) {
     ++removed_count;
   }
   SceneList::Scenes scenes(s.scenes.begin(), s.scenes.end());
+  for (const auto& scene : scenes) {
+    if (scene->name != name) continue;
+    for (const ObjectId part : scene->part_objects) s.rows.free_slot(slot_of(part));
+  }
   std::erase_if(scenes, [&](const auto& scene) { return scene->name == name; });
   s.set_scenes(std::move(scenes));
   if (const auto covers = s.covers_of.find(name); covers != s.covers_of.end()) {
@@ -308,7 +312,8 @@ bool World::remove(ObjectId id, EndReason reason) {
   const std::uint32_t source = s.rows.source(slot_of(id));
   if (source != Sources::kResting) s.sources.remove_object(source);
   s.has_lost_attached = s.has_lost_attached || s.attachments.find(id) != nullptr || s.attachments.is_parent(id);
-  s.rows.remove(id);
+  // A scene's triangles name their parts by slots for as long as the scene is loaded.
+  s.rows.remove(id, s.rows.info(slot_of(id))->scene_part != kNoScenePart);
   return true;
 }
 

@@ -84,7 +84,7 @@ void ObjectRows::set_pivot(std::uint32_t slot, const Vec3& pivot) {
   mark(slot, Motion::placed);
 }
 
-void ObjectRows::remove(ObjectId id) {
+void ObjectRows::remove(ObjectId id, bool keeps_slot) {
   const std::uint32_t slot = slot_of(id);
   if (rows_[slot].has_pivot) pivots_.erase(slot);
   names_.remove(tag_of(info(slot)->name), slot);
@@ -92,7 +92,7 @@ void ObjectRows::remove(ObjectId id) {
   // A scene's part may use this slot next, and a part has no pose, age or motion.
   rows_[slot] = ObjectRow{};
   source_[slot] = Sources::kResting;
-  freed_.push_back(slot);
+  if (!keeps_slot) freed_.push_back(slot);
   mark(slot, Motion::placed);
 }
 

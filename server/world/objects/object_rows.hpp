@@ -106,8 +106,10 @@ class ObjectRows {
   void put(std::shared_ptr<const ObjectInfo> info);
   /// source: whose time its poses have; born_ns: kPosedAtStep, or the instant from which it exists.
   void put(std::shared_ptr<const ObjectInfo> info, const Pose& pose, std::uint32_t source, std::int64_t born_ns);
-  /// Removes an object; its slot is free again after the step that ends its contacts.
-  void remove(ObjectId id);
+  /// Removes an object; its slot is free again after the step that ends its contacts, or stays without an object until
+  /// free_slot().
+  void remove(ObjectId id, bool keeps_slot = false);
+  void free_slot(std::uint32_t slot) { freed_.push_back(slot); }
   /// Scenes came or went.
   void note_scenes() { table_.note_scenes(); }
 

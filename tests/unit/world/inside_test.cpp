@@ -35,6 +35,22 @@ TEST_F(WorldInside, ABallWithinAClosedMeshIsAHitWhereTheMeshIsSolidAndAMissWhere
   expect_first(0.15);
 }
 
+// Its slot went to the next object, and the triangles answered under that one's name.
+TEST_F(WorldInside, WhatWasTakenOutOfASceneStaysOutWhenOthersCome) {
+  load("surface", scenes::box({1, 1, 1}), "");
+  const std::vector<double> ray{5, 0, 0, -1, 0, 0, INFINITY};
+  ASSERT_EQ(ask(QuestionKind::ray, ray).answers[0], Verdict::hit);
+  ASSERT_TRUE(world_.remove(*world_.find("surface"), EndReason::removed));
+  step();
+  add("ball", Sphere{Vec3::Zero(), 1}, Vec3(0, 9, 0));
+  EXPECT_EQ(ask(QuestionKind::ray, ray).answers[0], Verdict::miss);
+  // Without the scene its slots are free again.
+  world_.remove_scene("surface");
+  step();
+  add("next", Sphere{Vec3::Zero(), 1}, Vec3(0, 99, 0));
+  EXPECT_LT(slot_of(*world_.find("next")), slot_of(*world_.find("ball")));
+}
+
 /// How far two boxes overlap along the axis along which that is least: the shortest way apart of two polytopes that
 /// overlap ends where two faces or two edges meet (Gottschalk, Lin, Manocha, "OBBTree", 1996).
 double way_apart_m(const Box& a, const Box& b) {
