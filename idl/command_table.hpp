@@ -313,6 +313,7 @@ inline constexpr CommandSpec kCommands[]{
     {kSteps, ask, nothing, all, arguments::kSteps},
     {kShapes, ask, nothing, all, arguments::kShapes, {}, true},
     {kSurface, ask, nothing, all, arguments::kSurface, {}, true},
+    {kSnapshot, ask, nothing, all, {}, {}, true},
     {kMore, ask, nothing, all, arguments::kMore, {}, true},
     {kPoses, ask, nothing, all, {}, {}, true},
     {kRecording, change, nothing, all, arguments::kRecording, {}, true},

@@ -171,6 +171,9 @@ inline constexpr const char* kShapes = "shapes";
 /// -> Page of a Surface
 inline constexpr const char* kSurface = "surface";
 
+/// -> Page of a scene file (scene.fbs) with its table Frozen: the newest state of the world
+inline constexpr const char* kSnapshot = "snapshot";
+
 /// -> Page. A buffer is kept for half a minute after the last request for one of its pages.
 inline constexpr const char* kMore = "more";
 

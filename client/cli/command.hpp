@@ -109,6 +109,7 @@ std::unique_ptr<Command> make_margin();
 std::unique_ptr<Command> make_nearest();
 std::unique_ptr<Command> make_keys();
 std::unique_ptr<Command> make_record();
+std::unique_ptr<Command> make_snapshot();
 std::unique_ptr<Command> make_replay();
 std::unique_ptr<Command> make_explain();
 std::unique_ptr<Command> make_events();

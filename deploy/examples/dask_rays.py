@@ -2,10 +2,12 @@
 """Asks many rays through Dask's workers, on one machine or many, and says whether the answers are those of one process.
 
     dask_rays.py --rays 10000000 --workers 3 --domains 201,202,203 --check
+    dask_rays.py --rays 10000000 --workers 2 --snapshot now.cscene
 
 Every worker asks a server near it: worker number i the one on the i-th domain of the list, over again from the first
 where there are more workers. The servers must hold the same scene; --check finds out whether they answer alike, to the
-last bit. With --scheduler the workers are those of a running Dask cluster.
+last bit. With --snapshot every worker starts a server of its own on that file (collide snapshot), and ends it; --check
+then compares with the server on the first domain. With --scheduler the workers are those of a running Dask cluster.
 
 Needs the packages python3-distributed and python3-numpy.
 """
@@ -14,7 +16,10 @@ from __future__ import annotations
 
 import argparse
 import hashlib
+import os
+import subprocess
 import sys
+import tempfile
 import time
 
 import numpy as np
@@ -41,12 +46,26 @@ def answer(server: collided.Client, seed: int, chunk: int, count: int) -> tuple[
     return int(answers.is_hit().sum()), digest.digest()
 
 
-def on_worker(domains: list[int], seed: int, chunk: int, count: int) -> tuple[int, int, bytes]:
+def served_here(snapshot: str, domain: int, folder: str) -> collided.Client:
+    """A server on the snapshot for this process alone, which ends with it."""
+    name = f"batch_{os.getpid()}"
+    served = ["collided", "--namespace", name, "--domain", str(domain), "--threads", "1", "--state-dir", folder, snapshot]
+    # Linux ends it even if the worker is killed.
+    subprocess.Popen(["setpriv", "--pdeathsig", "TERM", *served], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    return collided.connect(domain=domain, name_space=name, wait=60)
+
+
+def on_worker(domains: list[int], snapshot: str | None, seed: int, chunk: int, count: int) -> tuple[int, int, bytes]:
     """The same on a worker, whose connection stays open from chunk to chunk."""
     worker = get_worker()
     if not hasattr(worker, "collided_client"):
         number = int(worker.name) if str(worker.name).isdigit() else abs(hash(worker.address))
-        worker.collided_client = collided.connect(domain=domains[number % len(domains)])
+        domain = domains[number % len(domains)]
+        if snapshot:
+            worker.collided_folder = tempfile.TemporaryDirectory(prefix="collided_batch_")
+            worker.collided_client = served_here(snapshot, domain, worker.collided_folder.name)
+        else:
+            worker.collided_client = collided.connect(domain=domain)
     return (chunk, *answer(worker.collided_client, seed, chunk, count))
 
 
@@ -61,6 +80,7 @@ def parse() -> argparse.Namespace:
     parser.add_argument("--workers", type=int, default=3, help="processes of this machine, without --scheduler")
     parser.add_argument("--scheduler", help="address of a running cluster, such as tcp://10.0.0.1:8786")
     parser.add_argument("--domains", default="0", help="DDS domains of the servers, such as 201,202,203")
+    parser.add_argument("--snapshot", help="file that every worker serves for itself, in place of servers on the domains")
     parser.add_argument("--check", action="store_true", help="ask all again from this process and compare")
     options = parser.parse_args()
     if options.rays < 1 or options.workers < 1:
@@ -70,6 +90,7 @@ def parse() -> argparse.Namespace:
 
 def main() -> int:
     options = parse()
+    snapshot = os.path.abspath(options.snapshot) if options.snapshot else None
     domains = [int(domain) for domain in options.domains.split(",")]
     chunks = [(i, min(CHUNK, options.rays - i * CHUNK)) for i in range((options.rays + CHUNK - 1) // CHUNK)]
     cluster = None if options.scheduler else LocalCluster(
@@ -78,7 +99,7 @@ def main() -> int:
     try:
         with Client(options.scheduler or cluster) as dask:
             began = time.monotonic()
-            asked = [dask.submit(on_worker, domains, options.seed, *chunk, pure=False) for chunk in chunks]
+            asked = [dask.submit(on_worker, domains, snapshot, options.seed, *chunk, pure=False) for chunk in chunks]
             hits, digests = 0, [b""] * len(chunks)
             for done, (_, (chunk, found, digest)) in enumerate(as_completed(asked, with_results=True), 1):
                 hits, digests[chunk] = hits + found, digest

@@ -66,10 +66,12 @@ LeftOutOfScene leave_out_beyond(const Aabb& box, Scene& scene, bool is_moving) {
     scene.parts = std::move(parts);
     scene.index = {};
     scene.collapses = {};
+    if (scene.frozen) scene.frozen->order = {};
   }
   if (is_moving) return left_out;
   left_out.objects =
       std::erase_if(scene.objects, [&](const SceneObject& object) { return !overlaps(bounds_of(object), box); });
+  if (left_out.objects > 0 && scene.frozen) scene.frozen->order = {};
   return left_out;
 }
 

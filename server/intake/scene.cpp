@@ -274,6 +274,8 @@ Scene load(const FileFormat& format, Reading reading) {
     scene.name = scene_name(reading.file, reading.options);
     name_parts(reading, scene);
   }
+  if (scene.frozen && (reading.options.unit_m != 1 || turns_y_up(format, reading.options)))
+    refuse(reading, "a snapshot is in metres with z up, and what it covers stays where it is");
   place(format, reading, scene);
   if (format.content == Content::cloud) set_radius(reading, scene.objects.front());
   if (!was_saved || reading.options.unit_m != 1) refuse_beyond_limit(reading, scene);

@@ -46,6 +46,9 @@ struct CutTriangles {
   }
 };
 
+/// What becomes of meshes declared solid that do not close: they stay surfaces, or are solid by winding number.
+enum class SolidBy : std::uint8_t { closing, winding };
+
 /// A run of the scene mesh's triangles that is one object: answers name it.
 struct Part {
   std::string name;  // "scene/part", or "scene" where the file holds one part without a name; unique in the scene
@@ -53,6 +56,7 @@ struct Part {
   std::uint32_t triangle_count = 0;
   Filter filter{};
   CutTriangles cut{};
+  std::optional<SolidBy> solid{};  // declared by the file
 };
 
 /// The index of a mesh as a scene file holds it, in the broad phase's own format. The bytes are unchecked, and valid
@@ -68,9 +72,10 @@ struct SceneObject {
   Shape shape{};
   Pose pose{};
   Filter filter{};
-  SavedIndex index{};        // of the shape's mesh
-  CutTriangles cut{};        // of the shape's mesh
-  std::uint32_t number = 0;  // by which the scene's allowed pairs name it
+  SavedIndex index{};              // of the shape's mesh
+  CutTriangles cut{};              // of the shape's mesh
+  std::uint32_t number = 0;        // by which the scene's allowed pairs name it
+  std::optional<SolidBy> solid{};  // declared by the file
 };
 
 /// How much of a file in tiles was read.
@@ -81,6 +86,15 @@ struct TilesRead {
   std::uint64_t parts_of_file = 0;
 };
 
+/// What a snapshot of a server's world has beyond the file of a scene; see table Frozen in idl/scene.fbs.
+struct FrozenWorld {
+  std::uint64_t version = 0;
+  std::int64_t world_time_ns = 0;
+  std::vector<std::uint32_t> order{};         // of all parts and objects; empty: as they stand
+  std::optional<std::vector<Aabb>> covers{};  // nothing: its geometry is complete everywhere
+  std::vector<std::string> lacks{};
+};
+
 /// One loaded file: static triangles in world coordinates, metres, each of which belongs to exactly one part, and
 /// objects with a pose.
 struct Scene {
@@ -89,10 +103,11 @@ struct Scene {
   std::vector<Part> parts{};
   std::vector<SceneObject> objects{};
   std::shared_ptr<const AllowedPairs> allowed_pairs{};  // of the objects; null: none
-  bool is_moving = false;            // its objects take poses, half-spaces apart; its triangles stand still
-  SavedIndex index{};                // of the mesh
-  CollapseOrder collapses{};         // of the mesh; empty: no levels of detail are made
-  std::optional<TilesRead> tiles{};  // nothing: the file is not in tiles
+  bool is_moving = false;               // its objects take poses, half-spaces apart; its triangles stand still
+  SavedIndex index{};                   // of the mesh
+  CollapseOrder collapses{};            // of the mesh; empty: no levels of detail are made
+  std::optional<TilesRead> tiles{};     // nothing: the file is not in tiles
+  std::optional<FrozenWorld> frozen{};  // nothing: it is no snapshot
 };
 
 /// What loading did. Each line is a sentence for the user, with a count.

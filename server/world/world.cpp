@@ -150,7 +150,7 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
   State& s = *state_;
   const Scene& scene = indexed.scene;
   if (auto refusal = refusal_of(scene, false)) return std::move(*refusal);
-  for (std::uint32_t part = 0; part < scene.parts.size(); ++part) {
+  const auto add_part = [&](std::uint32_t part) {
     const ObjectId id = s.rows.take_slot();
     auto info = std::make_shared<ObjectInfo>();
     info->id = id;
@@ -164,15 +164,15 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
     if (const WindingPart* own = entry_of(indexed.geometry->winding_parts, part))
       info->rare.edit().winding = own->winding;
     s.rows.put(std::move(info));
-    indexed.geometry->part_objects.push_back(id);
-  }
+    indexed.geometry->part_objects[part] = id;
+  };
   const std::vector<std::shared_ptr<const IndexedMesh>> meshes = std::move(indexed.geometry->object_meshes);
   const std::vector<std::shared_ptr<const SolidMesh>> solids = std::move(indexed.geometry->object_solids);
   const std::vector<std::shared_ptr<const WindingMesh>> windings = std::move(indexed.geometry->object_windings);
   SceneList::Scenes scenes(s.scenes.begin(), s.scenes.end());
   scenes.push_back(indexed.geometry);
   s.set_scenes(std::move(scenes));
-  for (std::size_t i = 0; i < scene.objects.size(); ++i) {
+  const auto add_object = [&](std::size_t i) {
     const SceneObject& object = scene.objects[i];
     [[maybe_unused]] const auto defined = define({.name = object.name,
                                                   .scene = scene.name,
@@ -186,9 +186,18 @@ std::variant<std::uint32_t, Refusal> World::add_scene(const IndexedScene& indexe
                                                   .winding = i < windings.size() ? windings[i] : nullptr,
                                                   .allowed = {scene.allowed_pairs, object.number}});
     assert(std::holds_alternative<ObjectId>(defined) && "names and limits were checked above");
+  };
+  indexed.geometry->part_objects.resize(scene.parts.size());
+  const bool has_order = scene.frozen && !scene.frozen->order.empty();
+  const std::size_t member_count = scene.parts.size() + scene.objects.size();
+  for (std::size_t i = 0; i < member_count; ++i) {
+    const std::size_t member = has_order ? scene.frozen->order[i] : i;
+    if (member < scene.parts.size()) add_part(static_cast<std::uint32_t>(member));
+    else add_object(member - scene.parts.size());
   }
+  if (scene.frozen && scene.frozen->covers) state_covers(scene.name, *scene.frozen->covers);
   s.rows.place_all_movers_again();
-  return static_cast<std::uint32_t>(scene.parts.size() + scene.objects.size());
+  return static_cast<std::uint32_t>(member_count);
 }
 
 void World::State::set_scenes(SceneList::Scenes loaded) {

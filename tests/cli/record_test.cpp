@@ -91,6 +91,21 @@ TEST_F(Record, TheLastSecondsAreFetched) {
   EXPECT_EQ(collide("record").code, 2);
 }
 
+TEST_F(Record, ASnapshotSaysWhatItDoesNotHold) {
+  fake::server().listed_standing.resize(2);
+  const Ran ran = at_terminal("snapshot now.cscene");
+  EXPECT_EQ(ran.code, 0) << ran.err;
+  EXPECT_EQ(ran.out,
+            "wrote now.cscene: 25 parts, 1 object, 300 triangles, 2.3 MB (world 38)\n"
+            "  not carried over: 48 velocities\n"
+            "  not carried over: 2 standing questions\n");
+  EXPECT_EQ(fake::server().recorded_to, "now.cscene");
+  EXPECT_EQ(collide("snapshot now.cscene --fields file,not_carried_over").out,
+            "now.cscene\t[\"48 velocities\",\"2 standing questions\"]\n");
+  EXPECT_EQ(collide("snapshot now.glb").code, 2);
+  EXPECT_EQ(collide("snapshot").code, 2);
+}
+
 TEST_F(Replay, SaysWhatWasPublished) {
   ReplayReport report;
   report.samples = 18'412;

@@ -42,9 +42,9 @@ NO_CALL = {
     "Client": {"shapes", "poses", "command_with_bytes", "upload", "strangers", "ask_async"},
     "Publisher": {"reshape"},
 }
-# Functions that the C interface lacks: `collide record` writes recordings, pictures are for viewers, fleet() has the findings,
+# Functions that the C interface lacks: `collide record` and `collide snapshot` write files, pictures are for viewers, fleet() has the findings,
 # `collide fleet split` splits a shard, a PublishedRobot knows its links, what_if() of a robot and the check of a proof take structs.
-NO_FUNCTION = {"record", "recorded_picture", "fleet_findings", "split_shard", "robot_objects", "what_if", "proves"}
+NO_FUNCTION = {"record", "write_snapshot", "recorded_picture", "fleet_findings", "split_shard", "robot_objects", "what_if", "proves"}
 # Commands that have no call of their own and are sent by command().
 COMMAND_ALONE = {
     "audit", "menu", "figures", "steps", "recording", "covers", "accept_loss", "sampled", "handover", "settled", "shard",
@@ -53,7 +53,7 @@ COMMAND_ALONE = {
 # A command that the library sends for Publisher.report().
 BY_C = {"left_out"}
 # Their answers or questions are bytes, for which C has no function.
-BYTES = {"shapes", "surface", "more", "poses", "upload", "piece"}
+BYTES = {"shapes", "surface", "snapshot", "more", "poses", "upload", "piece"}
 # Arguments that the calls of Python do not send.
 NO_ARGUMENT = {
     "load": {"foreign", "crc32", "upload"},  # the library's own

@@ -167,6 +167,8 @@ constexpr Verb kVerbs[] = {
      "implicit '(x^2+y^2+z^2+3)^2 - 16*(x^2+y^2)' 0 2 5  0 0 -1\nimplicit ring --file rings.surfaces 0 2 5  0 0 -1 "
      "--json",
      make_implicit, true},
+    {"snapshot", "Files", "the world of now as a scene file, which another server or engine answers from",
+     "snapshot FILE.cscene", "snapshot now.cscene", make_snapshot},
     {"record", "Files", "everything that goes over the namespace, into an MCAP file", "record FILE.mcap",
      "record run.mcap --for 60s\nrecord crash.mcap --last 30s", make_record},
     {"replay", "Files", "a recording again: poses in time, or every question with its answer compared",

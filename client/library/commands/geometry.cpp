@@ -17,36 +17,14 @@ namespace names = wire_contract::command;
 constexpr std::uint64_t kMostAnswerBytes = std::uint64_t{1} << 30;  // of one answer; the server sends no larger ones
 constexpr int kAttempts = 5;
 
+}  // namespace
+
 Error unfit(const char* command, const std::string& flaw) {
   return Error{ErrorCode::internal, std::string(command) + ": the server's answer does not fit: " + flaw,
                "server and library may be of different versions"};
 }
 
-/// Fetches all pages of an answer; nothing if the server no longer has it.
-Result<std::optional<std::string>> fetch(Connection& connection, const char* command_name, json arguments,
-                                         std::chrono::nanoseconds timeout) {
-  std::string all;
-  const char* name = command_name;
-  std::optional<std::uint64_t> total;
-  do {
-    // A name that is not UTF-8 must not throw here; the server finds no object for it.
-    const std::string written = arguments.dump(-1, ' ', false, json::error_handler_t::replace);
-    const Result<std::string> text = command(connection, name, written, {}, timeout, {});
-    if (!text) return text.error();
-    std::string flaw;
-    const std::optional<Page> page = decode_page(*text, flaw);
-    if (!page) return unfit(command_name, flaw);
-    if (page->total == 0) return std::optional<std::string>();
-    const bool fits = page->first == all.size() && !page->bytes.empty() && page->total == total.value_or(page->total) &&
-                      page->total <= kMostAnswerBytes && page->bytes.size() <= page->total - all.size();
-    if (!fits) return unfit(command_name, "its pages do not follow each other");
-    total = page->total;
-    all += page->bytes;
-    name = names::kMore;
-    arguments = {{"transfer", page->transfer}, {"first", all.size()}};
-  } while (all.size() < *total);
-  return std::optional(std::move(all));
-}
+namespace {
 
 /// Surfaces by number: known ones are reused, others are fetched.
 class SurfaceBook {
@@ -66,7 +44,8 @@ class SurfaceBook {
     if (const auto known = surfaces_.find(number); known != surfaces_.end()) return known->second;
     const json arguments{
         {"surface", number}, {"epoch", epoch}, {"edges", options_.edges}, {"crease_cosine", options_.crease_cosine}};
-    const Result<std::optional<std::string>> bytes = fetch(connection_, names::kSurface, arguments, options_.timeout);
+    const Result<std::optional<std::string>> bytes =
+        fetch_pages(connection_, names::kSurface, arguments, options_.timeout);
     if (!bytes) return bytes.error();
     if (!*bytes) return std::shared_ptr<const Surface>();
     std::string flaw;
@@ -88,7 +67,7 @@ Result<std::optional<ShownObjects>> attempt(Connection& connection, const Shapes
                                             const ShownObjects* earlier, SurfaceBook& book, bool may_lack) {
   json arguments{{"only", options.only}, {"skip", options.skip}, {"mask", options.mask}};
   if (options.moving) arguments["moving"] = *options.moving;
-  const Result<std::optional<std::string>> bytes = fetch(connection, names::kShapes, arguments, options.timeout);
+  const Result<std::optional<std::string>> bytes = fetch_pages(connection, names::kShapes, arguments, options.timeout);
   if (!bytes) return bytes.error();
   if (!*bytes) return std::optional<ShownObjects>();
   std::string flaw;
@@ -119,6 +98,34 @@ Result<std::optional<ShownObjects>> attempt(Connection& connection, const Shapes
 }
 
 }  // namespace
+
+Result<std::optional<std::string>> fetch_pages(Connection& connection, const char* command_name, json arguments,
+                                               std::chrono::nanoseconds timeout,
+                                               const std::function<bool(double)>& progress) {
+  std::string all;
+  const char* name = command_name;
+  std::optional<std::uint64_t> total;
+  do {
+    // A name that is not UTF-8 must not throw here; the server finds no object for it.
+    const std::string written = arguments.dump(-1, ' ', false, json::error_handler_t::replace);
+    const Result<std::string> text = command(connection, name, written, {}, timeout, {});
+    if (!text) return text.error();
+    std::string flaw;
+    const std::optional<Page> page = decode_page(*text, flaw);
+    if (!page) return unfit(command_name, flaw);
+    if (page->total == 0) return std::optional<std::string>();
+    const bool fits = page->first == all.size() && !page->bytes.empty() && page->total == total.value_or(page->total) &&
+                      page->total <= kMostAnswerBytes && page->bytes.size() <= page->total - all.size();
+    if (!fits) return unfit(command_name, "its pages do not follow each other");
+    total = page->total;
+    all += page->bytes;
+    if (progress && !progress(static_cast<double>(all.size()) / static_cast<double>(*total)))
+      return Error{ErrorCode::refused, std::string(command_name) + ": called off", "nothing was kept"};
+    name = names::kMore;
+    arguments = {{"transfer", page->transfer}, {"first", all.size()}};
+  } while (all.size() < *total);
+  return std::optional(std::move(all));
+}
 
 Result<ShownObjects> shapes(Connection& connection, const ShapesOptions& options, const ShownObjects* earlier) {
   for (int i = 0; i < kAttempts; ++i) {

@@ -259,6 +259,26 @@ std::optional<Surface> decode_mesh(const format::Mesh& from) {
   } catch (const Flaw&) { return std::nullopt; }
 }
 
+std::optional<WrittenSnapshot> decode_snapshot(std::string_view text, std::string& flaw) {
+  const format::AlignedBytes aligned(std::as_bytes(std::span(text)));
+  const auto* root = format::verified<format::Scene>(aligned.data(), text.size(), format::SceneIdentifier());
+  if (root == nullptr || root->frozen() == nullptr) {
+    flaw = "no snapshot, or damaged";
+    return std::nullopt;
+  }
+  const format::Frozen& frozen = *root->frozen();
+  WrittenSnapshot written{.version = frozen.version(),
+                          .world_time = std::chrono::nanoseconds(frozen.world_time_ns()),
+                          .parts = root->parts() == nullptr ? 0 : root->parts()->size(),
+                          .objects = root->objects() == nullptr ? 0 : root->objects()->size(),
+                          .triangles = root->mesh() == nullptr ? 0 : root->mesh()->corners()->size() / 3,
+                          .bytes = text.size(),
+                          .lacks = {}};
+  for (std::uint32_t i = 0; frozen.lacks() != nullptr && i < frozen.lacks()->size(); ++i)
+    written.lacks.push_back(frozen.lacks()->Get(i)->str());
+  return written;
+}
+
 std::optional<Surface> decode_surface(std::string_view text, std::string& flaw) {
   return read_table<format::Surface>(text, flaw, surface_of);
 }

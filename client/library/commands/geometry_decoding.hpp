@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "collided/client.hpp"
+#include "collided/snapshot.hpp"
 
 namespace collided::format {
 struct Mesh;
@@ -41,6 +42,9 @@ struct DecodedObjects {
   std::vector<std::vector<NumberedRun>> runs;  // by object
 };
 std::optional<DecodedObjects> decode_objects(std::string_view text, std::string& flaw);
+
+/// What a snapshot's file says of itself.
+std::optional<WrittenSnapshot> decode_snapshot(std::string_view text, std::string& flaw);
 
 std::optional<Surface> decode_surface(std::string_view text, std::string& flaw);
 std::optional<Poses> decode_poses(std::string_view text, std::string& flaw);

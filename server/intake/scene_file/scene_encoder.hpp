@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <span>
 #include <unordered_map>
+#include <unordered_set>
 #include <vector>
 
 #include "idl/scene_tables.hpp"
@@ -11,13 +12,15 @@
 // Encodes values as tables of idl/scene.fbs.
 namespace collided::engine {
 
-inline constexpr std::uint32_t kSceneFormat = 3;  // 1 had no checksum, 2 no allowed pairs
+inline constexpr std::uint32_t kSceneFormat = 4;  // of snapshots; 1 had no checksum, 2 no allowed pairs
+inline constexpr std::uint32_t kPairsFormat = 3;
 /// This bit is set in every checksum, so that none is 0: FlatBuffers does not store a 0.
 inline constexpr std::uint64_t kIsChecksum = std::uint64_t{1} << 32;
 
 /// Values as structs of the schema.
 using format::packed;
 inline format::Filter packed(const Filter& from) { return {from.layers, from.mask, from.group}; }
+static_assert(sizeof(Aabb) == 6 * sizeof(double), "boxes are written as low and high");
 
 /// Builds the tables of one FlatBuffers buffer. Call mesh(), shape() or scene() for the root, then bytes().
 /// threads  one at a time; meshes that are shared must outlive it
@@ -61,7 +64,8 @@ class SceneEncoder {
       const format::Filter filter = packed(part.filter);
       const auto name = builder_.CreateString(part.name);
       const auto pieces = piece_numbers(part.cut);
-      parts.push_back(format::CreatePart(builder_, name, part.first_triangle, part.triangle_count, &filter, pieces));
+      parts.push_back(format::CreatePart(builder_, name, part.first_triangle, part.triangle_count, &filter, pieces,
+                                         solid_code(part.solid)));
     }
     std::vector<flatbuffers::Offset<format::Object>> objects;
     for (const SceneObject& object : from.objects) {
@@ -71,7 +75,8 @@ class SceneEncoder {
       const format::Quat rotation = packed(object.pose.rotation);
       const format::Filter filter = packed(object.filter);
       const auto pieces = piece_numbers(object.cut);
-      objects.push_back(format::CreateObject(builder_, name, shape_table, &position, &rotation, &filter, pieces));
+      objects.push_back(format::CreateObject(builder_, name, shape_table, &position, &rotation, &filter, pieces,
+                                             solid_code(object.solid)));
     }
     const bool has_mesh = !from.mesh.vertices.empty() || !from.mesh.triangles.empty();
     const auto mesh_table = has_mesh ? mesh(from.mesh) : 0;
@@ -81,10 +86,11 @@ class SceneEncoder {
     const auto collapses = from.collapses.empty() ? 0 : format::write_numbers<std::uint32_t>(builder_, from.collapses);
     const bool is_every_pair = from.allowed_pairs && from.allowed_pairs->is_every_pair();
     const auto allowed_pairs = pair_numbers(from);
-    const std::uint32_t format = from.allowed_pairs ? kSceneFormat : kSceneFormat - 1;
+    const auto frozen_table = from.frozen ? frozen(*from.frozen) : 0;
+    const std::uint32_t format = from.frozen ? kSceneFormat : from.allowed_pairs ? kPairsFormat : kPairsFormat - 1;
     format::FinishSceneBuffer(
         builder_, format::CreateScene(builder_, format, name, mesh_table, part_vector, object_vector, collapses,
-                                      kIsChecksum, allowed_pairs, is_every_pair));
+                                      kIsChecksum, allowed_pairs, is_every_pair, frozen_table));
   }
 
   /// Makes a shape the root.
@@ -101,6 +107,19 @@ class SceneEncoder {
   }
 
  private:
+  static format::Solid solid_code(const std::optional<SolidBy>& solid) {
+    if (!solid) return format::Solid::surface;
+    return *solid == SolidBy::winding ? format::Solid::winding : format::Solid::closing;
+  }
+
+  flatbuffers::Offset<format::Frozen> frozen(const FrozenWorld& from) {
+    const auto order = from.order.empty() ? 0 : builder_.CreateVector(from.order);
+    const auto covers = from.covers ? format::write_numbers<double>(builder_, *from.covers) : 0;
+    const auto lacks = builder_.CreateVectorOfStrings(from.lacks);
+    return format::CreateFrozen(builder_, from.version, from.world_time_ns, order, from.covers.has_value(), covers,
+                                lacks);
+  }
+
   flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> piece_numbers(const CutTriangles& cut) {
     return cut.piece_of ? builder_.CreateVector(*cut.piece_of) : 0;
   }
@@ -172,8 +191,16 @@ inline std::uint64_t encoded_bytes(const Scene& scene) {
   for (const Part& part : scene.parts) {
     bytes += 128 + part.name.size() + sizeof(std::uint32_t) * part.cut.piece_count();
   }
+  std::unordered_set<const TriangleMesh*> meshes;  // one that several objects share is written once
   for (const SceneObject& object : scene.objects) {
     bytes += 256 + object.name.size() + encoded_bytes(object.shape) + sizeof(std::uint32_t) * object.cut.piece_count();
+    const TriangleMesh* const mesh = object.shape.mesh.get();
+    if (mesh != nullptr && !meshes.insert(mesh).second) bytes -= encoded_bytes(*mesh);
+  }
+  if (scene.frozen) {
+    bytes += 256 + sizeof(std::uint32_t) * scene.frozen->order.size();
+    if (scene.frozen->covers) bytes += sizeof(Aabb) * scene.frozen->covers->size();
+    for (const std::string& lack : scene.frozen->lacks) bytes += 16 + lack.size();
   }
   return bytes;
 }

@@ -39,6 +39,15 @@ class NameCheck {
   std::unordered_set<std::string_view> taken_;
 };
 
+std::optional<SolidBy> solid_of(format::Solid solid) {
+  switch (solid) {
+    case format::Solid::surface: return std::nullopt;
+    case format::Solid::closing: return SolidBy::closing;
+    case format::Solid::winding: return SolidBy::winding;
+  }
+  throw Flaw{fmt::format("solid {}, allowed are 0 to 2", static_cast<int>(solid))};
+}
+
 void decode_parts(const format::Scene& from, NameCheck& names, Scene& scene) {
   const std::uint64_t triangle_count = scene.mesh.triangles.size();
   std::uint64_t covered = 0;
@@ -51,7 +60,8 @@ void decode_parts(const format::Scene& from, NameCheck& names, Scene& scene) {
     }
     covered += part.triangle_count();
     scene.parts.push_back({names.take(*part.name()), part.first_triangle(), part.triangle_count(),
-                           filter_of(part.filter()), cut_of(part, "part", part.triangle_count())});
+                           filter_of(part.filter()), cut_of(part, "part", part.triangle_count()),
+                           solid_of(part.solid())});
   }
   if (covered != triangle_count) { throw Flaw{fmt::format("parts cover {} of {} triangles", covered, triangle_count)}; }
 }
@@ -71,7 +81,7 @@ CollapseOrder decode_collapses(const format::Scene& from, std::size_t vertex_cou
 std::shared_ptr<const AllowedPairs> decode_pairs(const format::Scene& from, std::size_t object_count) {
   if (from.every_pair_allowed()) return std::make_shared<const AllowedPairs>();
   const auto* numbers = from.allowed_pairs();
-  if (from.format() < kSceneFormat) return nullptr;
+  if (from.format() < kPairsFormat || (from.frozen() != nullptr && numbers == nullptr)) return nullptr;
   std::vector<NumberPair> pairs;
   const std::size_t number_count = numbers == nullptr ? 0 : numbers->size();
   if (number_count % 2 != 0) throw Flaw{fmt::format("{} numbers of allowed pairs, allowed are twos", number_count)};
@@ -84,6 +94,31 @@ std::shared_ptr<const AllowedPairs> decode_pairs(const format::Scene& from, std:
     pairs.push_back(pair);
   }
   return std::make_shared<const AllowedPairs>(std::move(pairs));
+}
+
+/// What a snapshot has beyond a scene: every part and object once in its order, and boxes that are not empty.
+FrozenWorld decode_frozen(const format::Frozen& from, std::size_t member_count) {
+  FrozenWorld frozen{.version = from.version(),
+                     .world_time_ns = from.world_time_ns(),
+                     .order = format::copied<std::uint32_t>(from.order())};
+  std::vector<bool> is_placed(member_count);
+  for (const std::uint32_t member : frozen.order) {
+    if (member >= member_count || is_placed[member])
+      throw Flaw{
+          fmt::format("the order of ids has {} twice, or where only {} parts and objects are", member, member_count)};
+    is_placed[member] = true;
+  }
+  if (!frozen.order.empty() && frozen.order.size() != member_count)
+    throw Flaw{fmt::format("the order of ids has {} of {} parts and objects", frozen.order.size(), member_count)};
+  if (from.states_covers()) {
+    frozen.covers = format::copied<Aabb>(from.covers());
+    for (const Aabb& box : *frozen.covers) {
+      if (!(box.low.array() <= box.high.array()).all()) throw Flaw{"a box that it covers is empty or not a number"};
+    }
+  }
+  for (std::uint32_t i = 0; from.lacks() != nullptr && i < from.lacks()->size(); ++i)
+    frozen.lacks.push_back(from.lacks()->Get(i)->str());
+  return frozen;
 }
 
 Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::uint64_t max_triangles) {
@@ -106,11 +141,18 @@ Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::ui
       if (object.rotation() != nullptr) { pose.rotation = decoder.rotation(*object.rotation(), "rotation"); }
       Shape shape = decoder.shape(*object.shape());
       const std::size_t triangle_count = shape.mesh ? shape.mesh->triangles.size() : 0;
-      scene.objects.push_back(
-          {name, std::move(shape), pose, filter_of(object.filter()), {}, cut_of(object, "object", triangle_count), i});
+      scene.objects.push_back({name,
+                               std::move(shape),
+                               pose,
+                               filter_of(object.filter()),
+                               {},
+                               cut_of(object, "object", triangle_count),
+                               i,
+                               solid_of(object.solid())});
     } catch (const Flaw& flaw) { throw Flaw{fmt::format("object {}: {}", in_quotes(name), flaw.what)}; }
   }
   scene.allowed_pairs = decode_pairs(from, scene.objects.size());
+  if (from.frozen() != nullptr) scene.frozen = decode_frozen(*from.frozen(), scene.parts.size() + scene.objects.size());
   return scene;
 }
 
@@ -155,6 +197,9 @@ Scene read_scene_file(const Reading& reading) {
     Scene scene = decode_scene_bytes(tables, reading.options.max_triangles);
     if (!attach_indexes(reading.bytes, reading.keeper, scene)) {
       reading.report.warnings.emplace_back("the list of saved indexes is damaged; they are built anew");
+    }
+    if (scene.frozen) {
+      for (const std::string& lack : scene.frozen->lacks) reading.report.notes.push_back("not carried over: " + lack);
     }
     return scene;
   } catch (const Flaw& flaw) { refuse(reading, flaw.what); }

@@ -57,6 +57,8 @@ void write_in_tiles(const std::string& path, const std::string& source, const Sc
   if (!scene.objects.empty())
     throw LoadError(fmt::format("{}: only meshes are cut into tiles, and it has {}. Nothing was written.", source,
                                 counted(scene.objects.size(), "object")));
+  if (scene.frozen)
+    throw LoadError(fmt::format("{}: a snapshot says more than tiles hold. Nothing was written.", source));
   HeldMeshSource mesh(scene.mesh);
   interruptible([&] { write(path, {scene.name, source, scene.parts, mesh}, tiles); });
 }

@@ -9,8 +9,10 @@
 #include "server/exact_phase/edge_kinds.hpp"
 #include "server/intake/mesh/mesh_health.hpp"
 #include "server/intake/scene_file/scene_encoder.hpp"
+#include "server/intake/scene_file/scene_file.hpp"
 #include "server/intake/weld.hpp"
 #include "server/service/commands/command_arguments.hpp"
+#include "server/world/frozen.hpp"
 #include "server/world/query/query.hpp"
 
 namespace collided::engine::service {
@@ -147,6 +149,21 @@ std::string encode_objects(const Snapshot& state, const std::function<bool(const
     if (info && wanted(*info)) encoder.add(*info);
   }
   return encoder.finish();
+}
+
+std::string encode_snapshot(const Snapshot& state) {
+  std::uint64_t bytes = 0;
+  for (const auto& scene : state.scenes) bytes += encoded_bytes(scene->mesh);
+  refuse_above_limit(bytes, fmt::format("the triangles of {} scenes", state.scenes.size()));
+  std::variant<Scene, Refusal> frozen = frozen_scene(state);
+  if (const auto* refusal = std::get_if<Refusal>(&frozen)) throw BadCommand(refusal->reason);
+  const Scene& scene = std::get<Scene>(frozen);
+  bytes = encoded_bytes(scene);
+  refuse_above_limit(bytes, fmt::format("{} parts and objects", scene.parts.size() + scene.objects.size()));
+  SceneEncoder encoder(bytes);
+  encoder.scene(scene);
+  seal_scene(encoder.bytes());
+  return text_of(encoder.builder());
 }
 
 std::string encode_surface(const SurfaceNumbers::Found& surface, std::optional<double> crease_cosine) {

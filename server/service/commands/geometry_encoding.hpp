@@ -22,6 +22,9 @@ inline constexpr std::uint64_t kMaxPosesReported = 400'000;
 std::string encode_objects(const Snapshot& state, const std::function<bool(const ObjectInfo&)>& wanted,
                            SurfaceNumbers& numbers);
 
+/// A state as a scene file without indexes. Throws BadCommand beyond kMaxGeometryBytes, and where frozen_scene() refuses.
+std::string encode_snapshot(const Snapshot& state);
+
 /// A mesh, as Surface. Throws BadCommand beyond kMaxGeometryBytes.
 ///
 /// crease_cosine  encode the edges too; those that bend by more than this angle are creases. None: triangles only

@@ -29,6 +29,7 @@ std::vector<BoundCommand> GeometryService::commands() {
   };
   return {queued(names::kShapes, &GeometryService::shapes),
           queued(names::kSurface, &GeometryService::surface),
+          queued(names::kSnapshot, &GeometryService::snapshot),
           queued(names::kMore, &GeometryService::more),
           {.name = names::kPoses,
            .hand_on = [this](const CommandAsk& ask, const Arguments&) { answer(ask, &GeometryService::poses); }}};
@@ -59,6 +60,8 @@ std::string GeometryService::shapes(const Arguments& arguments) {
       },
       numbers_));
 }
+
+std::string GeometryService::snapshot(const Arguments&) { return first_page(encode_snapshot(*world_.newest())); }
 
 std::string GeometryService::surface(const Arguments& arguments) {
   const double cosine = arguments.number("crease_cosine");

@@ -18,7 +18,7 @@
 
 namespace collided::engine::service {
 
-/// Sends geometry and poses to viewers, in pages, on a thread of its own: the commands shapes, surface and more. Every
+/// Sends geometry and poses to viewers, in pages, on a thread of its own: the commands shapes, surface, snapshot and more. Every
 /// buffer is of one state. A buffer is kept until its last page was sent, for half a minute without a request, or until
 /// too many wait.
 class GeometryService {
@@ -29,7 +29,7 @@ class GeometryService {
   GeometryService(const GeometryService&) = delete;
   GeometryService& operator=(const GeometryService&) = delete;
 
-  /// The commands `shapes`, `surface` and `more`, which its own thread answers through `answers`, and `poses`, which
+  /// The commands `shapes`, `surface`, `snapshot` and `more`, which its own thread answers through `answers`, and `poses`, which
   /// the asking thread answers. They must not outlive this.
   std::vector<BoundCommand> commands();
   /// Refuses waiting commands, then ends the thread.
@@ -60,6 +60,7 @@ class GeometryService {
   void answer(const CommandAsk& ask, Handler handler);
   std::string poses(const Arguments& arguments);
   std::string shapes(const Arguments& arguments);
+  std::string snapshot(const Arguments& arguments);
   std::string surface(const Arguments& arguments);
   std::string more(const Arguments& arguments);
   std::string first_page(std::string bytes);

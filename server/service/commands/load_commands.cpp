@@ -33,6 +33,11 @@ std::optional<std::uint32_t> checksum_of(const std::string& path) {
   return static_cast<std::uint32_t>(sum);
 }
 
+/// Whether the command or the file says where geometry is complete.
+bool states_covers(const std::vector<Aabb>& by_command, const Scene& scene) {
+  return !by_command.empty() || (scene.frozen && scene.frozen->covers);
+}
+
 }  // namespace
 
 LoadCommands::LoadCommands(CommandContext& context, const std::string& uploads)
@@ -168,7 +173,7 @@ void LoadCommands::refuse_foreign_load(const Load& load, const Scene& scene, boo
   const ObjectInfo* const foreign = replaces ? foreign_in_scene(load.ask, scene.name) : nullptr;
   if (foreign != nullptr) refuse_if_foreign(load.ask, foreign->name, "loaded");
   const KeyedPeer* const peer = load.ask.from.peer.get();
-  if (!load.covers.empty() && peer != nullptr && !peer->objects.empty())
+  if (states_covers(load.covers, scene) && peer != nullptr && !peer->objects.empty())
     throw BadCommand(fmt::format("the keys of '{}' are for {}; covers are said of the whole world. Nothing was loaded",
                                  peer->name, fmt::join(peer->objects, ", ")));
 }
@@ -198,7 +203,7 @@ json LoadCommands::add_scene(const Load& load, LoadedScene& loaded) {
   if (const auto* refusal = std::get_if<Refusal>(&added)) throw BadCommand(refusal->reason);
   if (!load.covers.empty()) world.state_covers(scene.name, load.covers);
   keep({KeptKind::scene, scene.name}, load.ask);
-  if (with_.durable != nullptr && !load.covers.empty()) with_.durable->covers_stated();
+  if (with_.durable != nullptr && states_covers(load.covers, scene)) with_.durable->covers_stated();
   Loaded report{.scene = scene.name,
                 .triangles = loaded.triangles,
                 .parts = scene.parts.size(),

@@ -33,7 +33,7 @@ void declare(LoadedScene& loaded, const LoadOptions& options) {
                                        declared.by_winding == 1
                                            ? "1 mesh that does not close is"
                                            : fmt::format("{} meshes that do not close are", declared.by_winding)));
-  if (declared.count + declared.by_winding == 0 && declared.refused.empty())
+  if (!options.solid.empty() && declared.count + declared.by_winding == 0 && declared.refused.empty())
     report.warnings.push_back("nothing with a mesh is named '" + options.solid + "', so nothing is solid");
   report.refused.insert(report.refused.end(), declared.refused.begin(), declared.refused.end());
   report.warnings.insert(report.warnings.end(), declared.warnings.begin(), declared.warnings.end());
@@ -68,7 +68,7 @@ LoadedScene index(Scene scene, LoadReport report, const LoadOptions& options, st
   std::vector<std::string>& warnings = loaded.report.warnings;
   warnings.insert(warnings.end(), of_indexes.begin(), of_indexes.end());
   if (!unit_doubt.empty()) warnings.push_back(unit_doubt);
-  if (!options.solid.empty()) declare(loaded, options);
+  if (!options.solid.empty() || loaded.indexed.scene.frozen) declare(loaded, options);
   loaded.seconds = static_cast<double>(steady_ns() - started_ns) * wire_contract::kNanosecond_s;
   return loaded;
 }

@@ -73,14 +73,18 @@ DeclaredSolids declare_solids(const Scene& scene, StaticScene& geometry, std::st
                               const std::function<bool()>& cancelled, SolidBy by) {
   DeclaredSolids declared;
   const auto is_cancelled = [&] { return cancelled && cancelled(); };
+  const auto asked = [&](const auto& member) {
+    return glob_matches(glob, member.name) ? std::optional(by) : member.solid;
+  };
   for (std::uint32_t i = 0; i < geometry.parts.size() && !is_cancelled(); ++i) {
     const Part& part = geometry.parts[i];
-    if (part.triangle_count == 0 || !glob_matches(glob, part.name)) continue;
+    const std::optional<SolidBy> part_by = asked(part);
+    if (part.triangle_count == 0 || !part_by) continue;
     const auto mesh = mesh_of(geometry, part);
     const auto surface = indexed_mesh(mesh, Bvh::build(*mesh, {.threads = 1, .progress = {}, .cancelled = cancelled}));
     SolidFindings findings;
     const auto solid = solid_within(surface, findings, cancelled);
-    const bool is_by_winding = !solid && by == SolidBy::winding;
+    const bool is_by_winding = !solid && *part_by == SolidBy::winding;
     note(part.name, findings, is_by_winding, declared);
     if (solid) geometry.solid_parts.push_back({i, surface->tree.bounds(), solid});
     if (is_by_winding) geometry.winding_parts.push_back({i, surface->tree.bounds(), winding_within(surface)});
@@ -96,14 +100,16 @@ DeclaredSolids declare_solids(const Scene& scene, StaticScene& geometry, std::st
   std::unordered_map<const IndexedMesh*, Found> of_mesh;
   for (std::size_t i = 0; i < geometry.object_meshes.size() && !is_cancelled(); ++i) {
     const std::shared_ptr<const IndexedMesh>& surface = geometry.object_meshes[i];
-    if (!surface || !glob_matches(glob, scene.objects[i].name)) continue;
+    const std::optional<SolidBy> object_by = asked(scene.objects[i]);
+    if (!surface || !object_by) continue;
     const auto [known, is_new] = of_mesh.try_emplace(surface.get());
     auto& [solid, winding, findings] = known->second;
     if (is_new) solid = solid_within(surface, findings, cancelled);
-    if (is_new && !solid && by == SolidBy::winding) winding = winding_within(surface);
-    note(scene.objects[i].name, findings, winding != nullptr, declared);
+    const bool is_by_winding = !solid && *object_by == SolidBy::winding;
+    if (is_by_winding && !winding) winding = winding_within(surface);
+    note(scene.objects[i].name, findings, is_by_winding, declared);
     geometry.object_solids[i] = solid;
-    geometry.object_windings[i] = winding;
+    if (is_by_winding) geometry.object_windings[i] = winding;
   }
   return declared;
 }

@@ -19,9 +19,6 @@ struct DeclaredMesh {
   std::string warning;                         // what makes it more than a border, or less; empty: nothing does
 };
 
-/// What becomes of meshes that do not close: they stay surfaces, or are solid by winding number.
-enum class SolidBy : std::uint8_t { closing, winding };
-
 /// Declares one mesh solid while others wait for it: what takes longer than 200 ms of the search for triangles that cross,
 /// and of the tree, is left out.
 DeclaredMesh declare_solid_at_once(const std::shared_ptr<const TriangleMesh>& mesh, SolidBy by = SolidBy::closing);
@@ -34,8 +31,9 @@ struct DeclaredSolids {
   std::vector<std::string> warnings;  // meshes that are more than a border
 };
 
-/// Declares those parts and objects solid whose names match the glob and that have a mesh.
+/// Declares those parts and objects solid that have a mesh, and whose names match the glob or whose file declares them.
 ///
+/// by         of those whose names match; a file says it of its own
 /// scene      as World::index_scene gave it, with its geometry
 /// cancelled  called now and then; true ends the work
 /// cost       that of solid_within for each; one copy of the triangles of each part

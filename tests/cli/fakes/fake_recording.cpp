@@ -1,3 +1,4 @@
+#include "collided/snapshot.hpp"
 #include "tests/cli/fakes/fake_client.hpp"
 
 namespace collided {
@@ -32,6 +33,21 @@ Result<std::uint64_t> fetch_recording(const ConnectOptions& options, std::chrono
   fake::server().fetched = last;
   fake::server().recorded_to = path;
   return std::uint64_t{1'234'567};
+}
+
+Result<WrittenSnapshot> write_snapshot(const ConnectOptions& options, const std::string& path,
+                                       const std::function<bool(double)>& progress) {
+  fake::server().connected_with = options;
+  if (fake::server().connect_error) return *fake::server().connect_error;
+  if (progress && !progress(1)) return Error{ErrorCode::refused, "snapshot: called off", "nothing was kept"};
+  fake::server().recorded_to = path;
+  return WrittenSnapshot{.version = 38,
+                         .world_time = std::chrono::nanoseconds(5),
+                         .parts = 25,
+                         .objects = 1,
+                         .triangles = 300,
+                         .bytes = 2'345'678,
+                         .lacks = {"48 velocities"}};
 }
 
 Result<ReplayReport> replay(const ConnectOptions& connect, const ReplayOptions& options) {
