@@ -18,6 +18,11 @@ using std::chrono::seconds;
 using testing_support::ChildProcess;
 using testing_support::ScratchFolder;
 
+/// A closed cube about (50, 0, 0), of half a metre from there to a face's middle.
+constexpr const char* kCube =
+    "v 49.5 -.5 -.5\nv 50.5 -.5 -.5\nv 50.5 .5 -.5\nv 49.5 .5 -.5\nv 49.5 -.5 .5\nv 50.5 -.5 .5\nv 50.5 .5 .5\nv 49.5 "
+    ".5 .5\n"
+    "f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8\n";
 constexpr int kQuestions = 1'000;  // of each kind and mode
 
 void append(std::string& bits, const auto& value) { bits.append(reinterpret_cast<const char*>(&value), sizeof value); }
@@ -111,7 +116,7 @@ TEST_F(ServerSnapshot, AnswersAsTheServerToTheLastBit) {
   Client client = connect();
   std::mt19937_64 random = oracle::seeded(56);
   add_shapes(client, random);
-  ASSERT_TRUE(client.load(folder_.write("shell.obj", testing_support::shell_obj(12)), {.solid = "*"}));
+  ASSERT_TRUE(client.load(folder_.write("cube.obj", kCube), {.solid = "*"}));
   ASSERT_TRUE(client.load(folder_.write("again.obj", testing_support::shell_obj(12)),
                           {.covers = {{.low = {-60, -60, -1}, .high = {60, 60, 30}}}}));
   ASSERT_TRUE(client.remove("pallet_02"));
