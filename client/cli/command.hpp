@@ -16,13 +16,13 @@ class App;
 namespace collided::cli {
 
 /// One verb of one command line. declare() declares its options on the parser, which fills the members; then run() does
-/// the work. It throws Failure where it cannot. One thread.
+/// the work. It throws Failure on error. One thread.
 class Command {
  public:
   virtual ~Command() = default;
   virtual void declare(CLI::App& app) = 0;
   virtual Exit run(Session& session, const Globals& globals) = 0;
-  /// Whether it works on a world of several servers, by --shards.
+  /// Whether it works with several servers, by --shards.
   virtual bool takes_shards() const { return false; }
 };
 
@@ -43,7 +43,7 @@ std::span<const Verb> verbs();
 /// The verb of that name, or null.
 const Verb* find_verb(std::string_view name);
 
-/// What a program of client/cli/programs has beside the verbs that all programs have. `collide` itself has nothing more, so
+/// The parts of a program of client/cli/programs beyond the verbs that all programs have. `collide` itself has none, so
 /// that it loads no library that only some verbs need.
 struct OwnParts {
   struct OwnVerb {
@@ -51,14 +51,14 @@ struct OwnParts {
     std::unique_ptr<Command> (*make)();
   };
   std::vector<OwnVerb> verbs = {};
-  LineSource (*prompted_lines)(const Io&) = nullptr;  // lines that a person types
+  LineSource (*prompted_lines)(const Io&) = nullptr;  // lines typed at a prompt
 };
 
-/// The verb's command. Null where another program has it (run_wing).
+/// The verb's command. Null if another program has it (run_wing).
 std::unique_ptr<Command> make_command(const Verb& verb, const OwnParts& own);
 
-/// Runs the program collide-NAME with the words of this line: in the place of this process, or as a child where the lines
-/// of `collide -` follow. Throws Failure where there is none, and one without a message where the child has printed its own.
+/// Runs the program collide-NAME with the words of this line: replacing this process, or as a child if lines of
+/// `collide -` follow. Throws Failure if it is missing, and one without a message if the child has printed its own.
 Exit run_wing(const Session& session, std::string_view name);
 
 // One function for each verb, defined in client/cli/verbs or client/cli/programs.
@@ -118,7 +118,7 @@ std::unique_ptr<Command> make_shell();
 std::unique_ptr<Command> make_help();
 std::unique_ptr<Command> make_version();
 
-/// A verb whose words are not parsed here, such as check, convert and implicit: it gets them by take_words() before
+/// A verb whose words are not parsed here, such as check, convert and implicit: take_words() receives them before
 /// run().
 class PassOn : public Command {
  public:

@@ -19,18 +19,18 @@ class EventWatch {
   /// Connects; throws Failure.
   EventWatch(Session& session, const Globals& globals, const WatchOptions& options);
 
-  /// As Watch::next.
+  /// See Watch::next.
   std::optional<Event> next(std::chrono::nanoseconds wait);
   std::uint64_t lost() const;
-  /// As Watch::tells_since.
+  /// See Watch::tells_since.
   std::chrono::nanoseconds tells_since() const;
-  /// What is to be told of the server or the shards since the last call: that one is silent, or back. Empty: nothing.
+  /// News of the server or the shards since the last call: one is silent, or back. Empty: none.
   std::string_view news();
 
  private:
   std::variant<Watch, ShardedWatch> watch_;
   bool was_connected_ = true;
-  std::uint64_t gaps_ = 0;  // of shards, that were told of
+  std::uint64_t gaps_ = 0;  // of shards, already reported
 };
 
 }  // namespace collided::cli

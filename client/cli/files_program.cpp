@@ -43,7 +43,7 @@ int run_files_program(const Io& io, std::vector<std::string> words) {
 std::string files_program_output(const Io& io, std::vector<std::string> words) {
   std::array<int, 2> ends{};
   if (::pipe(ends.data()) != 0) throw Failure(Exit::refused, fmt::format("no pipe: {}", std::strerror(errno)));
-  // A file takes what it says, however much that is, while its output is read.
+  // A file holds output of any size while it is read.
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> said(std::tmpfile(), std::fclose);
   const pid_t child =
       start_sibling(io, kFiles, {.words = std::move(words), .out = ends[1], .err = said ? ::fileno(said.get()) : -1});

@@ -35,7 +35,7 @@ void declare_globals(CLI::App& app, Globals& globals) {
   option(app, "--wait", globals.wait, "At most so long for a server to answer hello (2s, and more on a busy machine)")
       ->group(connection);
   option(app, "--timeout", globals.timeout, "How long one answer may take")->group(connection);
-  // A line's own option counts before one that was given for all lines.
+  // A line's own option takes precedence over one for all lines.
   for (CLI::Option* one : app.get_options()) {
     const bool is_common = one->get_group() == output || one->get_group() == connection;
     if (is_common && one->get_items_expected_max() == 1) one->take_last();
@@ -44,7 +44,7 @@ void declare_globals(CLI::App& app, Globals& globals) {
 
 void declare_verb(CLI::App& app, Command& command, Globals& globals) {
   app.set_help_flag();
-  // As it is read: before the value of another option is refused.
+  // While parsing: before the value of another option is refused.
   app.add_flag_callback(
          "-h,--help", [] { throw CLI::CallForHelp(); }, "This help")
       ->trigger_on_parse();

@@ -11,7 +11,7 @@ inline constexpr std::string_view kConnectionGroup = "Connection";
 /// Declares the options that every verb has.
 void declare_globals(CLI::App& app, Globals& globals);
 
-/// Declares everything that `collide VERB` takes: its own options, help, and the options of every verb.
+/// Declares all options of `collide VERB`: its own, help, and those of every verb.
 void declare_verb(CLI::App& app, Command& command, Globals& globals);
 
 }  // namespace collided::cli

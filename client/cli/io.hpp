@@ -7,7 +7,7 @@
 
 namespace collided::cli {
 
-/// Where a command line reads and writes; tests use strings and pipes.
+/// The streams of a command line; tests use strings and pipes.
 struct Io {
   int in = 0;  // file descriptor of standard input
   std::ostream& out;
@@ -16,7 +16,7 @@ struct Io {
   bool err_is_terminal = false;
   std::function<const char*(const char*)> environment;  // returns a variable's value or null, as getenv does
 
-  /// The value of a variable; empty where it is not set.
+  /// The value of a variable; empty if it is not set.
   std::string env(const char* name) const {
     const char* value = environment ? environment(name) : nullptr;
     return value == nullptr ? std::string() : std::string(value);

@@ -35,9 +35,9 @@ OwnServer::OwnServer(Io& io, const ConnectOptions& where, const std::vector<std:
   id_ = ::fork();
   if (id_ < 0) throw Failure(Exit::refused, fmt::format("{} cannot be started: {}", all[0], std::strerror(errno)));
   if (id_ > 0) return;
-  // Ctrl-C reaches the whole terminal; this program ends its child itself, in order.
+  // Ctrl-C reaches the whole terminal; this program ends its child itself, properly.
   ::setpgid(0, 0);
-  // It says how to ask it, and so does whoever starts it; what goes wrong comes by its standard error.
+  // Its hints on how to ask repeat those of the program that starts it; its errors come on standard error.
   const int nowhere = ::open("/dev/null", O_WRONLY);
   ::dup2(nowhere < 0 ? STDERR_FILENO : nowhere, STDOUT_FILENO);
   ::execvp(pointers[0], pointers.data());
@@ -65,7 +65,7 @@ void OwnServer::meet(Session& session, const Globals& globals) {
                     "it is the program collided; COLLIDED_SERVER may name it");
     }
     try {
-      // Until ours runs another one may answer, and then ours ends and says so.
+      // Until our server runs another one may answer; then ours ends with a message.
       const ServerStatus status = take(session.client(globals).status());
       if (status.state == "ready" && status.pid == static_cast<std::uint32_t>(id_)) return;
       std::this_thread::sleep_for(std::chrono::milliseconds(10));

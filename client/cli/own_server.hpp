@@ -10,11 +10,11 @@
 
 namespace collided::cli {
 
-/// A server that this program starts, and that ends with it. Its state folder is its own, so that it takes over nobody's
-/// world and leaves nothing behind. One thread.
+/// A server that this program starts, and that ends with it. It has its own state folder, so that it takes over no
+/// other server's world and leaves nothing behind. One thread.
 class OwnServer {
  public:
-  /// Starts the program collided at this domain and namespace. Throws Failure where that cannot be.
+  /// Starts the program collided at this domain and namespace. Throws Failure if that is impossible.
   ///
   /// words  its further arguments
   OwnServer(Io& io, const ConnectOptions& where, const std::vector<std::string>& words);
@@ -22,16 +22,16 @@ class OwnServer {
   OwnServer(const OwnServer&) = delete;
   OwnServer& operator=(const OwnServer&) = delete;
 
-  /// Waits until it answers. Throws Failure where it ends before, or Ctrl-C comes.
+  /// Waits until it answers. Throws Failure if it ends before, or on Ctrl-C.
   ///
   /// session  whose connection, made by globals, is to the domain and namespace given above
   void meet(Session& session, const Globals& globals);
   bool ended();
-  /// Of a server that ended.
+  /// The exit code of a server that has ended.
   int exit_code() const;
 
  private:
-  /// A folder that goes with its owner.
+  /// A folder that is removed with its owner.
   struct Folder {
     std::string path;
     ~Folder();

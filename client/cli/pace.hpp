@@ -9,7 +9,7 @@
 
 namespace collided::cli {
 
-/// Sleeps until a time on the steady clock. False where it was interrupted.
+/// Sleeps until a time on the steady clock. False if it was interrupted.
 inline bool sleep_until(std::chrono::steady_clock::time_point when) {
   constexpr std::chrono::milliseconds kInterruptCheck{50};
   while (!stop_requested) {
@@ -32,7 +32,7 @@ class Until {
   bool reached(std::uint64_t count) const {
     return stop_requested || (most_count_ > 0 && count >= most_count_) || Clock::now() >= end_;
   }
-  /// When the time is over; a hundred years from the start where it is unlimited.
+  /// The end time; a hundred years from the start if it is unlimited.
   Clock::time_point end() const { return end_; }
 
  private:

@@ -21,7 +21,7 @@
 namespace collided::cli {
 namespace {
 
-/// The index of the verb in the tokens, after options that every verb has; tokens.size() where there is none.
+/// The index of the verb in the tokens, after options that every verb has; tokens.size() if there is none.
 std::size_t verb_position(const std::vector<std::string>& tokens) {
   CLI::App globals_only("", "collide");
   Globals ignored;
@@ -35,7 +35,7 @@ std::size_t verb_position(const std::vector<std::string>& tokens) {
   return tokens.size();
 }
 
-/// Throws Failure for arguments that the parser did not take.
+/// Throws Failure for arguments that the parser did not use.
 void refuse_leftovers(CLI::App& app) {
   for (const std::string& leftover : app.remaining()) {
     const std::string word = unmarked(leftover);
@@ -49,7 +49,7 @@ void refuse_leftovers(CLI::App& app) {
   }
 }
 
-/// The parser's complaint as this program says it.
+/// The parser's error in this program's words.
 std::string in_words(const CLI::ParseError& error) {
   const std::string said = error.what();
   if (const std::size_t end = said.find(" is required"); end != std::string::npos)
@@ -64,7 +64,7 @@ void parse_tokens(CLI::App& app, std::vector<std::string> tokens) {
   app.allow_extras();
   for (CLI::Option* option : app.get_options())
     option->transform([](std::string text) { return unmarked(std::move(text)); });
-  std::reverse(tokens.begin(), tokens.end());  // the parser takes them from the back
+  std::reverse(tokens.begin(), tokens.end());  // the parser takes them in reverse order
   try {
     app.parse(std::move(tokens));
   } catch (const CLI::CallForHelp&) { throw; } catch (const CLI::ParseError& error) {
@@ -73,7 +73,7 @@ void parse_tokens(CLI::App& app, std::vector<std::string> tokens) {
   refuse_leftovers(app);
 }
 
-/// Parses the options of a verb and the globals. False where help was requested; it has then been printed.
+/// Parses the options of a verb and the globals. False if help was requested; it has then been printed.
 bool parse_verb(const Verb& verb, Command& command, std::vector<std::string> tokens, Io& io, Globals& globals) {
   CLI::App app(std::string(verb.summary), "collide " + std::string(verb.name));
   declare_verb(app, command, globals);
@@ -115,14 +115,14 @@ Exit run_verb(const Verb& verb, std::vector<std::string> tokens, Session& sessio
     session.io.out.flush();
     session.warn_of_strangers();
     if (failure.code != Exit::bad_use || failure.is_printed) throw;
-    // A message of the library's may begin with the name of its call, which is that of the verb.
+    // A message of the library may begin with the name of its call, which is that of the verb.
     const std::string prefix = fmt::format("{}: ", verb.name);
     const std::string said = failure.what();
     throw Failure(failure.code, said.starts_with(prefix) ? said : prefix + said, failure.hint);
   }
 }
 
-/// The verb of this program for another program's word; empty: no such word is known.
+/// This program's verb for a word that another program uses; empty: no such word is known.
 std::string_view verb_for_word(std::string_view word) {
   static constexpr std::array<std::pair<std::string_view, std::string_view>, 12> kWords{{{"cast", "ray"},
                                                                                          {"delete", "rm"},
@@ -161,16 +161,16 @@ LineSource piped_lines(int in) {
           .number = [reader] { return reader->line_number(); }};
 }
 
-/// Runs the verb of one line. False where it failed, which has then been reported.
+/// Runs the verb of one line. False if it failed, which has then been reported.
 ///
-/// given  the words that were before all lines
+/// given  the words before all lines
 bool run_line(const std::string& line, const LineSource& lines, const std::vector<std::string>& given, Session& session,
               const Globals& globals) {
   Globals line_globals = globals;
   session.where = lines.number ? fmt::format("line {}: ", lines.number()) : std::string();
   try {
     std::vector<std::string> words = split_words(line);
-    // Lines that hints and help print begin so.
+    // Lines copied from hints and help begin with the program's name.
     if (!words.empty() && words.front() == "collide") words.erase(words.begin());
     if (words.empty()) return true;
     const std::vector<std::string> tokens = prepare_tokens(words);
@@ -187,7 +187,7 @@ bool run_line(const std::string& line, const LineSource& lines, const std::vecto
   }
 }
 
-/// `collide -` and `collide shell`: runs a verb for each line of standard input, over one connection. A line that fails is
+/// `collide -` and `collide shell`: runs a verb for each line of standard input, over one connection. A failed line is
 /// reported and the next one runs.
 Exit run_lines(std::vector<std::string> tokens, Session& session, Globals& globals) {
   parse_globals(tokens, globals);
@@ -202,7 +202,7 @@ Exit run_lines(std::vector<std::string> tokens, Session& session, Globals& globa
   while (!stop_requested && lines.next(line)) {
     if (!run_line(line, lines, tokens, session, globals)) ++failed;
     session.io.out.flush();
-    // At a prompt, Ctrl-C ends what runs, not the shell.
+    // At a prompt, Ctrl-C ends the current verb, not the shell.
     if (is_typed) stop_requested = false;
   }
   if (stop_requested) return Exit::interrupted;
@@ -251,7 +251,7 @@ int run(const std::vector<std::string>& arguments, Io& io, const OwnParts& own) 
     print_failure(io, globals, placed);
     code = failure.code;
   } catch (const std::exception& error) {
-    // This program throws nothing else itself: it is out of memory, or has a bug.
+    // This program itself throws nothing else: it is out of memory, or has a bug.
     print_failure(io, globals, Failure(Exit::refused, std::string("inside collide: ") + error.what()));
     code = Exit::refused;
   }

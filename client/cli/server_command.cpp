@@ -71,7 +71,7 @@ std::optional<Failure> unknown_object(Session& session, const Globals& globals, 
   const nlohmann::json all =
       server_command(session, globals, wire::kList, {{"name", ""}, {"limit", kMostNamesCompared}});
   std::vector<std::string> names;
-  std::vector<std::string> below;  // where the name is that of a scene, or of a group in one
+  std::vector<std::string> below;  // if the name is that of a scene, or of a group in one
   for (const nlohmann::json& entry : all.value("objects", nlohmann::json::array())) {
     names.push_back(text_of(entry, "name"));
     if (names.back() == object) return std::nullopt;

@@ -15,13 +15,12 @@ namespace collided::cli {
 
 Failure unfit_answer(const nlohmann::json::exception& why);
 
-/// Sends a command and returns its answer. Throws Failure, with the server's message where it refuses.
+/// Sends a command and returns its answer. Throws Failure, with the server's message if it refuses.
 nlohmann::json server_command(Session& session, const Globals& globals, std::string_view name,
                               const nlohmann::json& arguments, const Shape& shape = {},
                               std::function<void(double)> progress = {});
 
-/// The JSON as an answer, whose members keep their default values where they are missing. Throws Failure where one is of
-/// another type.
+/// The JSON as an answer; missing members keep their default values. Throws Failure if one is of another type.
 template <class Answer>
 Answer answer_in(const nlohmann::json& json) {
   try {
@@ -35,7 +34,7 @@ Answer server_answer(Session& session, const Globals& globals, std::string_view 
   return answer_in<Answer>(server_command(session, globals, name, arguments));
 }
 
-/// The same for a command that takes bytes.
+/// The same for a command with bytes.
 nlohmann::json server_command_with_bytes(Session& session, const Globals& globals, std::string_view name,
                                          const nlohmann::json& arguments, std::span<const std::byte> bytes);
 
@@ -44,15 +43,15 @@ nlohmann::json upload_command(Session& session, const Globals& globals, std::spa
                               const std::string& file_name, const nlohmann::json& arguments,
                               std::function<void(double)> progress);
 
-/// A Failure with the nearest names, where the world has no object of that name; else nothing.
+/// A Failure with the nearest names if the world has no object of that name; else nothing.
 std::optional<Failure> unknown_object(Session& session, const Globals& globals, const std::string& object);
 
-/// The same for a command about one object. For an unknown name the Failure says "not in the world" and names the
-/// nearest ones.
+/// The same for a command about one object. For an unknown name the Failure contains "not in the world" and the nearest
+/// names.
 nlohmann::json object_command(Session& session, const Globals& globals, std::string_view command,
                               const std::string& object, const nlohmann::json& arguments);
 
-/// A member of a JSON answer; empty, 0 or false where it is missing or of another type.
+/// A member of a JSON answer; empty, 0 or false if it is missing or of another type.
 template <class Member>
 Member member_of(const nlohmann::json& object, const char* key) {
   const auto found = object.find(key);
@@ -71,7 +70,7 @@ inline bool flag_of(const nlohmann::json& object, const char* key) { return memb
 inline std::vector<std::string> texts_of(const nlohmann::json& object, const char* key) {
   return member_of<std::vector<std::string>>(object, key);
 }
-/// The first numbers of an array member; fewer where it is shorter.
+/// The first numbers of an array member; fewer if it is shorter.
 std::vector<double> numbers_of(const nlohmann::json& object, const char* key);
 
 /// A pose as the JSON array [x, y, z, qw, qx, qy, qz].

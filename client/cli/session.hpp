@@ -46,18 +46,18 @@ class Session {
  public:
   Session(Io& session_io, const OwnParts& program) : io(session_io), own(program) {}
 
-  /// The client, connected on first use. Throws Failure (no_server) where no server answers.
+  /// The client, connected on first use. Throws Failure (no_server) if no server answers.
   Client& client(const Globals& globals);
-  /// The shards of the map of --shards, connected on first use. Throws Failure where none answers.
+  /// The shards of the map of --shards, connected on first use. Throws Failure if none answers.
   ShardedClient& sharded(const Globals& globals);
-  /// Warns, once, where another process speaks in the server's place.
+  /// Warns, once, if another process publishes in the server's place.
   void warn_of_strangers();
 
   /// Whether the verbs of many lines share it, so that the connection outlives a verb.
   bool has_many_verbs = false;
   /// "line 3: " before the messages of that line.
   std::string where;
-  /// The words of the command line or, of many lines, the options given before them and the words of the one that runs.
+  /// The words of the command line or, for many lines, the options given before them and the words of the current one.
   std::vector<std::string> words;
 
   Io& io;
@@ -66,18 +66,18 @@ class Session {
  private:
   std::optional<Client> client_;
   std::optional<ShardedClient> sharded_;
-  std::string sharded_by_;  // its map, as --shards has it
+  std::string sharded_by_;  // its map, as in --shards
   bool has_warned_ = false;
 };
 
-/// A printer in the form that the options say, else COLLIDE_OUTPUT, else a table on a terminal and plain elsewhere.
+/// A printer in the form of the options, else of COLLIDE_OUTPUT, else a table on a terminal and plain elsewhere.
 Printer make_printer(Io& io, const Globals& globals);
 
 /// Whether that stream is coloured, by --color, NO_COLOR, CLICOLOR_FORCE and TERM.
 bool color_wanted(const Io& io, const Globals& globals, bool stream_is_terminal);
 
-/// Where to connect: each option by its flag, else its COLLIDED_ variable, else ROS_DOMAIN_ID for the domain, else the
-/// default.
+/// Where to connect: each option from its flag, else its COLLIDED_ variable, else ROS_DOMAIN_ID for the domain, else
+/// the default.
 ConnectOptions connect_options(const Io& io, const Globals& globals);
 
 /// The time of --timeout, or `otherwise`.
@@ -90,10 +90,10 @@ Failure as_failure(const Error& error);
 /// Prints "error: ..." on standard error, with the hint indented below.
 void print_failure(Io& io, const Globals& globals, const Failure& failure);
 
-/// Prints "error: TEXT" on standard error, for one line of many whose others go on.
+/// Prints "error: TEXT" on standard error, for one line of many; the others continue.
 void print_error(Io& io, std::string_view text);
 
-/// Prints "warning: TEXT" on standard error, for what is done as written but is surely not meant. Prints nothing for an
+/// Prints "warning: TEXT" on standard error, for input that is accepted but probably a mistake. Prints nothing for an
 /// empty text.
 void print_warning(Io& io, std::string_view text);
 

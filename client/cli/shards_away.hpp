@@ -6,7 +6,7 @@
 
 namespace collided::cli {
 
-/// Warns of each shard of --shards that is not there, with what this means to the verb.
+/// Warns of each missing shard of --shards, with the consequence for the verb.
 void warn_of_shards_away(Session& session, const Globals& globals, std::string_view meaning);
 
 }  // namespace collided::cli

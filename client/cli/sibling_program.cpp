@@ -29,13 +29,13 @@ Failure cannot_start(const Sibling& sibling, int fault) {
   return {Exit::refused, fmt::format("{} cannot be started: {}", sibling.name, std::strerror(fault))};
 }
 
-// Buffered text would be lost, or come after the other program's.
+// Buffered text would be lost, or follow the other program's.
 void flush(const Io& io) {
   io.out.flush();
   io.err.flush();
 }
 
-/// The program of a verb that `collide` itself has not.
+/// The program of a verb that `collide` itself lacks.
 Sibling wing_program(std::string_view name) {
   return {.name = fmt::format("collide-{}", name),
           .remedy = "it is installed with collide, unless this build leaves it out"};

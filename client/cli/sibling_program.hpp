@@ -13,14 +13,14 @@ namespace collided::cli {
 struct Sibling {
   std::string name;
   const char* variable = nullptr;  // of the environment, which may name its path; null: none
-  std::string remedy = {};         // what to do where it is missing
+  std::string remedy = {};         // what to do if it is missing
 };
 
-/// Its path: the one that the variable names; else beside this program, with the installed helpers, beside `collide` for a
+/// Its path: the variable's value; else next to this program, with the installed helpers, next to `collide` for a
 /// helper, or in a build tree; else its name, for PATH.
 std::string path_of(const Io& io, const Sibling& sibling);
 
-/// The variable by which a program that runs one of another's lines learns how its messages begin.
+/// The variable from which a program that runs a line of another one learns the beginning of its messages.
 inline constexpr const char* kWhereVariable = "COLLIDE_WHERE";
 
 /// How a program is started; descriptors of -1 are this process's.
@@ -32,13 +32,13 @@ struct SiblingStart {
   std::string where = {};  // for kWhereVariable
 };
 
-/// Starts it as a child. Throws Failure where it is missing.
+/// Starts it as a child. Throws Failure if it is missing.
 pid_t start_sibling(const Io& io, const Sibling& sibling, SiblingStart start);
 
-/// Waits for its end. Throws Failure where a signal ended it, unless that was Ctrl-C.
+/// Waits for its end. Throws Failure if a signal ended it, unless that was Ctrl-C.
 int exit_code_of(const Sibling& sibling, pid_t child);
 
-/// Goes on as that program. Throws Failure where it is missing.
+/// Continues as that program. Throws Failure if it is missing.
 [[noreturn]] void become_sibling(const Io& io, const Sibling& sibling, std::vector<std::string> words);
 
 }  // namespace collided::cli

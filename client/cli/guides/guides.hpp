@@ -5,13 +5,13 @@
 
 namespace collided::cli {
 
-/// A guide of deploy/docs as a terminal of 80 columns shows it, embedded by client/cli/guides/embed.cmake.
+/// A guide of deploy/docs, laid out for a terminal of 80 columns, embedded by client/cli/guides/embed.cmake.
 struct Guide {
   std::string_view name;
   std::string_view text;
 };
 
-/// In the order in which README lists them.
+/// In the order of the README's list.
 std::span<const Guide> guides();
 
 }  // namespace collided::cli

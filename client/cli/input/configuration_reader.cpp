@@ -42,7 +42,7 @@ std::optional<ConfigurationReader::Configuration> ConfigurationReader::next() {
   return csv_ ? next_of_csv() : next_of_json();
 }
 
-/// Brings the poses into the order of the first configuration, and says what is missing or too many.
+/// Puts the poses into the order of the first configuration, and reports missing and extra ones.
 void ConfigurationReader::put_in_order(const std::vector<NamedPose>& placed, Configuration& configuration) {
   if (objects_.empty()) {
     for (const NamedPose& one : placed) objects_.push_back(one.name);

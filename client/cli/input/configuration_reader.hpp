@@ -12,9 +12,9 @@
 
 namespace collided::cli {
 
-/// Reads configurations from a file: rows config,name,x,y,z,qw,qx,qy,qz, of which those that follow each other with the
-/// same config are one configuration; or JSON, one a line: {"config": ID, "poses": {NAME: [x, y, z, qw, qx, qy, qz]}}.
-/// The rotation may be left out. The first configuration says which objects each of them has, in any order. One thread.
+/// Reads configurations from a file: rows config,name,x,y,z,qw,qx,qy,qz, of which successive ones with the same config
+/// are one configuration; or JSON, one a line: {"config": ID, "poses": {NAME: [x, y, z, qw, qx, qy, qz]}}. The rotation
+/// may be left out. The first configuration sets the objects of all, in any order. One thread.
 class ConfigurationReader {
  public:
   explicit ConfigurationReader(const InputFile& file);
@@ -24,7 +24,7 @@ class ConfigurationReader {
     std::vector<Pose> poses;  // in the order of objects()
     std::string refusal;      // why it cannot be asked: "plan.csv line 7: 'nan' in column x"; empty: it can
   };
-  /// The next one; nothing at the end. Throws Failure where the file's header is not understood.
+  /// The next one; nothing at the end. Throws Failure if the file's header is not understood.
   std::optional<Configuration> next();
   const std::vector<std::string>& objects() const { return objects_; }
 
@@ -41,11 +41,11 @@ class ConfigurationReader {
 
   const InputFile& file_;
   LineReader lines_;
-  std::string text_;            // the line at hand, of JSON
-  bool has_line_ = false;       // it was read, and not yet taken
+  std::string text_;            // the current line of JSON
+  bool has_line_ = false;       // it was read, but not yet used
   std::optional<PoseCsv> csv_;  // nothing: the lines are JSON
-  std::optional<PoseRow> row_;  // read, of the configuration that comes next
-  std::string refusal_;         // why that row is none
+  std::optional<PoseRow> row_;  // read, but part of the next configuration
+  std::string refusal_;         // why that row is invalid
   std::vector<std::string> objects_;
 };
 

@@ -10,7 +10,7 @@ Keys::Keys(int file) : file_(file) {
   is_terminal_ = ::tcgetattr(file, &before_) == 0 && ::tcgetpgrp(file) == ::getpgrp();
   if (!is_terminal_) return;
   termios single = before_;
-  // Keys come at once and are not echoed; Ctrl-C still is a signal.
+  // Keys arrive at once and are not echoed; Ctrl-C stays a signal.
   single.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
   single.c_cc[VMIN] = 0;
   single.c_cc[VTIME] = 0;

@@ -25,7 +25,7 @@ const char* LineReader::line_end() const {
   return static_cast<const char*>(std::memchr(buffer_.data() + begin_, '\n', end_ - begin_));
 }
 
-/// Reads more if something comes within wait_ms. False where nothing does.
+/// Reads more if something arrives within wait_ms. False if nothing does.
 bool LineReader::fill(int wait_ms) {
   if (ended_) return false;
   pollfd waiter{.fd = file_, .events = POLLIN, .revents = 0};

@@ -8,8 +8,8 @@
 
 namespace collided::cli {
 
-/// Reads lines from a file descriptor. The caller can see whether reading would wait, so that a pipe that pauses does
-/// not hold back the answers to earlier lines. A line longer than kLongestLine is cut; see line_was_cut(). One thread.
+/// Reads lines from a file descriptor. The caller can test whether reading would wait, so that a pipe that pauses does
+/// not delay the answers to earlier lines. A line longer than kLongestLine is cut; see line_was_cut(). One thread.
 class LineReader {
  public:
   static constexpr std::size_t kLongestLine = 1 << 20;
@@ -18,7 +18,7 @@ class LineReader {
 
   /// Reads the next line, without its line end. False at the end of input or when interrupted. May wait.
   bool next(std::string& line);
-  /// Sets what next() calls about ten times a second while it waits.
+  /// Sets a function that next() calls about ten times a second while it waits.
   void when_waiting(std::function<void()> call) { while_waiting_ = std::move(call); }
   /// Whether next() would return at once.
   bool ready();
@@ -46,7 +46,7 @@ class LineReader {
 /// The source of the lines of `collide -` and `collide shell`.
 struct LineSource {
   std::function<bool(std::string& line)> next;  // false at the end; may wait
-  std::function<std::size_t()> number = {};     // of the last line, for errors; none where a person types
+  std::function<std::size_t()> number = {};     // of the last line, for errors; none at a prompt
 };
 
 /// A file opened for reading, or the descriptor `in` for "-". Throws Failure with the reason.

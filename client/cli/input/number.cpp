@@ -16,8 +16,8 @@ namespace {
 struct Unit {
   std::string_view name;
   Measure measure;
-  // The value in SI is value * times / over. Both are exact integers where the unit allows it, so that 3.5mm is the
-  // double nearest to 0.0035.
+  // The value in SI is value * times / over. Both are exact integers if the unit allows it, so that 3.5mm is the double
+  // nearest to 0.0035.
   double times;
   double over;
 };
@@ -38,7 +38,7 @@ constexpr std::array kUnits{
     Unit{"m/s", Measure::speed, 1, 1},      Unit{"km/h", Measure::speed, 1000, 3600},
 };
 
-/// The number at the start of a text and what follows it.
+/// The number at the start of a text and the rest.
 struct Split {
   double value = 0;
   std::string_view rest;
@@ -103,7 +103,7 @@ double parse_finite(std::string_view text, Measure measure) {
 
 namespace {
 
-/// The texts with each unit that stands alone, as in `20 cm`, joined to the number before it.
+/// The texts with each separate unit, as in `20 cm`, joined to the number before it.
 std::vector<std::string> with_units_joined(const std::vector<std::string>& texts, Measure measure) {
   std::vector<std::string> joined;
   for (const std::string& text : texts) {
@@ -187,7 +187,7 @@ bool is_number_text(std::string_view text) {
 
 std::string format_number(double value) {
   constexpr double kLeastPlain = 1e-4;
-  constexpr double kMostPlain = 1e15;  // from here on plain notation would show digits that no double holds
+  constexpr double kMostPlain = 1e15;  // above this, plain notation would show digits that no double holds
   std::array<char, 40> text{};
   const double size = std::abs(value);
   const bool is_plain = size == 0 || (size >= kLeastPlain && size < kMostPlain);

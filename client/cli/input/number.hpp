@@ -10,7 +10,7 @@
 
 namespace collided::cli {
 
-/// What a number measures. It decides which units may follow, and which unit is meant where none does (named first).
+/// What a number measures. It decides which units are allowed, and the default unit (named first).
 enum class Measure {
   none,      // no unit
   length,    // metres: nm um mm cm m km in ft
@@ -20,8 +20,8 @@ enum class Measure {
   speed,     // metres per second: mm/s m/s km/h
 };
 
-/// A number with its unit, in SI units; may be infinite. Throws Failure with the text where it is not a number, is
-/// `nan` or out of range, or has an unknown unit.
+/// A number with its unit, in SI units; may be infinite. Throws Failure with the text if it is not a number, is `nan`
+/// or out of range, or has an unknown unit.
 double parse_number(std::string_view text, Measure measure = Measure::none);
 
 /// The same, but infinity is refused too.
@@ -55,7 +55,7 @@ std::string format_vector(const Eigen::Vector3d& value);
 /// A number with two significant digits, for the error bound of a value.
 std::string format_bound(double value);
 
-/// A count for people, with thousands apart: "18 204".
+/// A count for people, with separated thousands: "18 204".
 std::string format_count(std::uint64_t value);
 /// A count with its noun: "1 object", "18 204 objects".
 std::string counted(std::uint64_t count, std::string_view what);

@@ -15,15 +15,15 @@
 #include "client/cli/failure.hpp"
 #include "client/cli/input/number.hpp"
 
-// One declaration of an option gives the parser, the units that its value may have, its line in the help with the name of
-// the value, and what a shell offers for it.
+// One declaration of an option provides the parser, the units of its value, its line in the help with the value's name,
+// and completion in a shell.
 namespace collided::cli {
 
-/// Declares an option; the value becomes what `read` returns for the text that was given.
+/// Declares an option; the value becomes the result of `read` for the given text.
 ///
-/// declared  its names and, after a blank, the name of its value: "-o,--out FILE". Of arguments without a name "names GLOB":
-///           a word for each, the last word for all that follow. A shell offers objects for OBJECT and GLOB, and the words
-///           of "a|b".
+/// declared  its names and, after a blank, the name of its value: "-o,--out FILE". For arguments without a name "names
+///           GLOB": a word for each, the last word for all further ones. A shell offers objects for OBJECT and GLOB,
+///           and the words of "a|b".
 template <class Given = std::string, class Value, class Read>
 CLI::Option* read_option(CLI::App& app, const std::string& declared, Value& value, std::string meaning, Read read) {
   const std::size_t end = std::min(declared.find(' '), declared.size());
@@ -35,8 +35,8 @@ CLI::Option* read_option(CLI::App& app, const std::string& declared, Value& valu
 template <class Value, class Meant>
 concept Holds = std::same_as<Value, Meant> || std::same_as<Value, std::optional<Meant>>;
 
-/// Declares an option whose value says by its type how it is read and what it is called: TIME, N (a count of at least 1) or
-/// BITS. Texts are taken as they are; `declared` says what they are called.
+/// Declares an option whose value's type decides how it is read and named: TIME, N (a count of at least 1) or BITS.
+/// Texts are kept unchanged; `declared` names them.
 template <class Value>
 CLI::Option* option(CLI::App& app, const std::string& declared, Value& value, std::string meaning) {
   if constexpr (Holds<Value, std::chrono::nanoseconds>) {

@@ -13,7 +13,7 @@
 
 namespace collided::cli {
 
-/// The kinds of questions that are typed and read from files.
+/// The kinds of questions that can be typed or read from files.
 enum class QuestionKind { ray, sphere, box, near, inside };
 inline constexpr std::size_t kQuestionKinds = 5;
 std::string_view name_of(QuestionKind kind);
@@ -44,7 +44,7 @@ struct JsonKey {
 
 inline constexpr std::size_t kMostColumns = 16;
 
-/// How a kind of question is written in files.
+/// The form of a kind of question in files.
 struct QuestionForm {
   std::string_view plural;
   std::span<const QuestionColumn> columns;
@@ -70,10 +70,10 @@ struct Numbers {
   Vec3 vector(std::size_t first) const { return {value[first], value[first + 1], value[first + 2]}; }
 };
 
-/// Adds the question with these numbers. Throws Failure where numbers are missing or make no question.
+/// Adds the question with these numbers. Throws Failure if numbers are missing or are not a valid question.
 void add_question(Questions& questions, const Numbers& numbers);
 
-/// The columns of each kind by name, for files and for the command line alike.
+/// The columns of each kind by name, for files and the command line.
 namespace column {
 enum RayColumn : std::size_t { kFrom = 0, kDirection = 3, kLength = 6, kTo = 7 };
 enum SphereColumn : std::size_t { kSphereCenter = 0, kRadius = 3 };

@@ -46,7 +46,7 @@ RawJson id_from_text(const std::string& text) {
 QuestionReader::QuestionReader(const InputFile& file, QuestionKind kind)
     : lines_(file.descriptor()), form_(form_of(kind)), kind_(kind) {}
 
-/// Finds the form, the separator and the header from the first line. True where the line is a header.
+/// Finds the form, the separator and the header from the first line. True if the line is a header.
 bool QuestionReader::take_header(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t");
   json_ = text[first] == '{';

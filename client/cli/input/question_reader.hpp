@@ -11,16 +11,16 @@
 
 namespace collided::cli {
 
-/// Reads questions of one kind from a file, one a line: NDJSON where the first byte is '{', else numbers separated by
-/// commas or blanks, with or without a header. A bad line is refused with its line and column, and reading goes on. One
-/// thread.
+/// Reads questions of one kind from a file, one a line: NDJSON if the first byte is '{', else numbers separated by
+/// commas or blanks, with or without a header. A bad line is refused with its line and column, and reading continues.
+/// One thread.
 class QuestionReader {
  public:
   QuestionReader(const InputFile& file, QuestionKind kind);
 
   enum class Found { question, refused, end };
   struct Line {
-    RawJson id;  // the one in the file, else the number of the record from 0
+    RawJson id;  // as in the file, else the number of the record from 0
     std::size_t number = 0;
     std::string refusal;  // "line 4812: 'NaN' in column dz"; empty for a question
   };

@@ -12,19 +12,19 @@
 
 namespace collided::cli {
 
-/// Reads configurations of a robot from a file as JointCsv reads it: a row is a configuration, and its column config,
-/// where there is one, names it; else its number does, from 1. A joint whose cell is empty stays as in the row before.
-/// One thread.
+/// Reads configurations of a robot from a file in the format of JointCsv: a row is a configuration, named by its column
+/// config, if there is one, else by its number from 1. A joint whose cell is empty stays as in the row before. One
+/// thread.
 class RobotConfigurations {
  public:
   /// objects  those of the robot; all arguments by reference must outlive this
   RobotConfigurations(const InputFile& file, const Robot& robot, const RobotObjects& objects, const RobotPlace& place)
       : file_(file), robot_(robot), objects_(objects), place_(place), csv_(file, robot, true) {}
 
-  /// The next one; nothing at the end. Throws Failure where the header is not understood.
+  /// The next one; nothing at the end. Throws Failure if the header is not understood.
   std::optional<ConfigurationReader::Configuration> next();
   const std::vector<std::string>& objects() const { return objects_.names; }
-  /// What looks odd about the last one: an angle that may be meant in degrees.
+  /// Suspicious values of the last one: an angle that may be meant in degrees.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
  private:

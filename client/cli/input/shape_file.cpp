@@ -27,7 +27,7 @@ std::vector<std::string> words_of(const std::string& line) {
   return words;
 }
 
-/// Reads rows of equally many finite numbers.
+/// Reads rows with equal counts of finite numbers.
 std::vector<Row> read_rows(const std::string& path, int in) {
   const InputFile file(path, in);
   LineReader reader(file.descriptor());

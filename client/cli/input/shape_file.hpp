@@ -10,9 +10,9 @@
 
 namespace collided::cli {
 
-/// Makes a shape from a kind and what follows it: those of make_shape, or points FILE R | polyline FILE R |
-/// heights FILE DX [DY], whose file has rows of numbers separated by blanks or commas, and comments after '#', "-" being
-/// standard input; or mesh FILE | hull FILE. A colon may stand for the first blank: hull:part.stl. Throws Failure, with
+/// Makes a shape from a kind and its further words: those of make_shape, or points FILE R | polyline FILE R | heights
+/// FILE DX [DY], whose file has rows of numbers separated by blanks or commas, and comments after '#', "-" being
+/// standard input; or mesh FILE | hull FILE. A colon may replace the first blank: hull:part.stl. Throws Failure, with
 /// the line of a file.
 ///
 /// reading  for mesh and hull; other shapes refuse it

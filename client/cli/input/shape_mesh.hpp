@@ -10,14 +10,14 @@
 
 namespace collided::cli {
 
-/// How a file of triangles is read, as `load` and `check` take it.
+/// How to read a file of triangles, as for `load` and `check`.
 struct MeshReading {
-  std::string unit = {};  // mm, in, ... or metres a unit; empty: as the format says
-  std::string up = {};    // y or z; empty: as the format says
+  std::string unit = {};  // mm, in, ... or metres a unit; empty: as the format defines
+  std::string up = {};    // y or z; empty: as the format defines
 };
 
-/// The shape from the words `mesh FILE` or `hull FILE`: the triangles of a file of any format that `check` reads, or the
-/// convex hull of their corners. Throws Failure.
+/// The shape from the words `mesh FILE` or `hull FILE`: the triangles of a file of any format that `check` reads, or
+/// the convex hull of their corners. Throws Failure.
 ShapePart read_mesh_shape(const std::vector<std::string>& words, const MeshReading& reading, const Io& io);
 
 /// The same from the output of the program that reads the file: lines "v X Y Z" and "t A B C".

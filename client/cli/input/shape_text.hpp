@@ -8,7 +8,7 @@
 
 namespace collided::cli {
 
-/// The shapes that `add` takes, for errors.
+/// The shapes of `add`, for errors.
 inline constexpr const char* kShapeForms =
     "shapes: sphere R, box X Y Z, capsule R L, cylinder R L, cone R H, ellipsoid X Y Z, plane [NX NY NZ],\n"
     "points FILE R, polyline FILE R, heights FILE DX [DY], mesh FILE, hull FILE";
@@ -36,7 +36,7 @@ ShapePart make_shape(std::string_view kind, const std::vector<double>& numbers);
 /// The same from one text: "sphere:0.1", "box:0.4,0.4,0.4", "capsule:5cm,30cm".
 ShapePart parse_shape(std::string_view text);
 
-/// A warning where an angle without a unit, so in radians, is more than a whole turn: surely degrees are meant. Else
+/// A warning if an angle without a unit, thus in radians, is more than a full turn, since degrees must be meant. Else
 /// empty.
 std::string angle_warning(std::string_view option, const std::string& angles);
 

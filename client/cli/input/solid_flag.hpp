@@ -6,7 +6,7 @@
 
 namespace collided::cli {
 
-/// --solid and --solid=winding: meshes with what they enclose, and what becomes of those that do not close.
+/// --solid and --solid=winding: meshes include their interior, and how to treat those that are not closed.
 struct SolidFlag {
   std::string word = {};  // as given; "true" without a word; empty: not given
 

@@ -14,7 +14,7 @@ namespace {
 using std::chrono::nanoseconds;
 using std::chrono::seconds;
 
-/// Reads a text piece by piece from its beginning. Once a piece is missing, all later ones are missing too.
+/// Reads a text piece by piece from its beginning. After a missing piece, all later ones are missing too.
 class Reader {
  public:
   explicit Reader(std::string_view text) : rest_(text) {}
@@ -29,7 +29,7 @@ class Reader {
   }
   void expect(char wanted) { skip(!rest_.empty() && rest_.front() == wanted, 1); }
   bool has(char wanted) const { return !rest_.empty() && rest_.front() == wanted; }
-  /// A fraction such as ".5", of at most nine digits; 0 where there is none.
+  /// A fraction such as ".5", of at most nine digits; 0 if there is none.
   nanoseconds fraction() {
     if (!has('.')) return nanoseconds(0);
     rest_.remove_prefix(1);

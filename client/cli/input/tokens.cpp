@@ -12,7 +12,8 @@
 namespace collided::cli {
 namespace {
 
-// The mark: no argument begins with this byte by accident, and the option parser takes a marked token for a plain word.
+// The mark: arguments do not begin with this byte by accident, and the option parser takes a marked token for a plain
+// word.
 constexpr char kMark = '\x01';
 constexpr std::size_t kMostFileBytes = 1 << 20;
 
@@ -76,7 +77,7 @@ std::vector<std::string> prepare_tokens(const std::vector<std::string>& argument
       for (++at; at < words.size(); ++at) tokens.push_back(kMark + words[at]);
       break;
     }
-    // The option parser would take "[ab]" for a list.
+    // The option parser would take "[ab]" as a list.
     if (is_number_text(words[at]) || words[at].starts_with('[')) {
       tokens.push_back(kMark + words[at]);
       continue;

@@ -197,7 +197,7 @@ std::string_view explain(UndecidedReason reason) {
 std::string cost_line(const Answers& answers, const Answer& answer) {
   std::string line = fmt::format("     {}: {} nodes, {} exact tests", format_duration(answers.compute),
                                  answer.cost.nodes, answer.cost.exact_tests);
-  // Of several shards there is no version.
+  // Answers of several shards have no version.
   line += answers.epoch == 0 ? std::string("; all shards") : fmt::format("; world {}", answers.version);
   if (answers.oldest_pose_age) line += fmt::format(", poses {} old", format_duration(*answers.oldest_pose_age));
   return line;

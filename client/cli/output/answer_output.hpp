@@ -32,7 +32,7 @@ Exit exit_of(const Answer& answer);
 std::string_view explain(UndecidedReason reason);
 /// A reason for machines, as a word.
 
-/// What the answer took: "41 us: 7 nodes, 2 exact tests; world 18204, poses 2.1 ms old".
+/// The cost of an answer: "41 us: 7 nodes, 2 exact tests; world 18204, poses 2.1 ms old".
 std::string cost_line(const Answers& answers, const Answer& answer);
 
 }  // namespace collided::cli

@@ -19,10 +19,10 @@ inline RawJson raw_json(const nlohmann::json& value) {
   return {value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)};
 }
 
-/// How vectors stand in a record: as three columns of CSV, or as JSON like other lists.
+/// The form of vectors in a record: as three columns of CSV, or as JSON like other lists.
 enum class Vectors { columns, json };
 
-/// A described answer's members in their order, those of several values as JSON.
+/// A described answer's members in their order, lists as JSON.
 template <Described T>
 Record record_of(const T& answer, Vectors vectors = Vectors::columns) {
   Record record;
@@ -48,7 +48,7 @@ Record record_of(const T& answer, Vectors vectors = Vectors::columns) {
   return record;
 }
 
-/// The field of that name; the record has it.
+/// The field of that name, which must exist.
 inline Record::iterator place_of(Record& record, std::string_view name) {
   return std::find_if(record.begin(), record.end(), [&](const Field& field) { return field.name == name; });
 }

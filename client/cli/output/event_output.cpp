@@ -25,9 +25,10 @@ Value triangle_value(std::uint32_t triangle) {
 }  // namespace
 
 Record event_record(const Event& event) {
-  // The server orders a pair by its numbers for the objects, which differ from run to run; here it is by the names.
+  // The server orders a pair by its numbers for the objects, which differ from run to run; here it is ordered by the
+  // names.
   const bool swapped = event.b < event.a;
-  const double sign = swapped ? -1 : 1;  // of what points from one to the other
+  const double sign = swapped ? -1 : 1;  // for directions from one to the other
   const std::string_view a = swapped ? event.b : event.a;
   const std::string_view b = swapped ? event.a : event.b;
   const bool is_doubt = event.doubt != Doubt::none;

@@ -85,7 +85,7 @@ void EventPoster::run() {
 }
 
 EventPoster::Delivery EventPoster::deliver(const std::string& body) {
-  // A connection of its own for each body: posts are some ten a second, and a receiver that was replaced is found again.
+  // A connection for each body: there are about ten posts a second, and a replaced receiver is found again.
   http::HttpAnswer answer;
   http_.post({.url = url_,
               .body = body,

@@ -51,7 +51,7 @@ void put_null(Value& none) {
 
 // ---- a ray ---------------------------------------------------------------------------------------------------------
 
-/// ", triangle 7" or ", part 2": what of the object it is; empty where it is all of it.
+/// ", triangle 7" or ", part 2": which part of the object it is; empty if it is all of it.
 std::string piece_text(std::uint32_t triangle, std::optional<std::uint32_t> part = {}) {
   if (part) return fmt::format(", part {}", *part);
   return triangle < kNoTriangle - 1 ? fmt::format(", triangle {}", triangle) : std::string();
@@ -63,7 +63,7 @@ std::string_view arithmetic_text(Rung rung) {
                                  : "by rationals, since no less decided it";
 }
 
-/// The distance, or how far a miss is, with its bound.
+/// The distance, or that of a miss, with its bound.
 template <class Row>
 std::string far_text(const Printer& printer, const Row& row) {
   return readable_length(row.distance_m, row.error_m, printer.digits());
@@ -146,13 +146,13 @@ void print_object(Printer& printer, std::string_view word, const ExplainedObject
   if (!object.doubt.empty()) line += fmt::format("  in doubt ({})", object.doubt);
   if (object.stale) line += "  stale";
   if (!object.why_left_out.empty()) line += "; " + printable(object.why_left_out);
-  // It may have moved on since the last step that was decided for both.
+  // It may have moved since the last step decided for both.
   if (word == "inside" && object.reported && object.verdict == Verdict::miss)
     line += ", by poses that are not decided yet";
   printer.line(line);
 }
 
-/// Which objects it looks at, by its globs and mask.
+/// The objects that it monitors, by its globs and mask.
 std::string seen_text(const ExplainedStanding& standing) {
   std::string text = standing.only.empty() ? "all that moves" : fmt::format("'{}'", printable(standing.only));
   if (!standing.skip.empty()) text += fmt::format(" but '{}'", printable(standing.skip));
@@ -160,7 +160,7 @@ std::string seen_text(const ExplainedStanding& standing) {
   return text;
 }
 
-/// What it is and what it holds, where it stands, and what it looks at.
+/// Its definition, its carrier or point, and the objects that it monitors.
 void print_definition(Printer& printer, const ExplainedStanding& standing) {
   const std::string name = printable(standing.name);
   if (is_of_nearest(standing)) {
@@ -191,7 +191,7 @@ Record standing_record(const ExplainedStanding& standing) {
   const ExplainedObject* const nearest = has_nearest ? &standing.holds.front() : nullptr;
   insert_object(record, "holds", nearest, nearest ? nearest->clearance_m : 0);
   record.insert(place_of(record, "holds"), {"holds_count", std::uint64_t{standing.holds.size()}});
-  // Of a recording they would be the replay's searches.
+  // In a recording these would be the searches of the replay.
   const bool is_counted = is_of_nearest(standing) && standing.version != 0;
   place_of(record, "cut_short")->value = is_counted ? Value(standing.cut_short) : Value();
   return record;
@@ -335,7 +335,7 @@ void print_explained(Printer& printer, const ExplainedEvent& event) {
   for (const std::string& reason : event.why_wide) printer.line("  bracket  " + printable(reason));
   print_gap(printer, "before", event.before);
   print_gap(printer, "after", event.after);
-  // The second of a standing question's event is the question.
+  // The second body of a standing question's event is the question.
   const std::size_t count = event.of == EventsOf::standing ? 1 : event.bodies.size();
   for (std::size_t i = 0; i < std::min(count, event.bodies.size()); ++i) print_body(printer, event.bodies[i]);
 }

@@ -27,7 +27,7 @@ double per_step(std::uint64_t count, const Figures& figures) {
 }
 
 std::string rate_text(double per_second) {
-  // From where three digits would round up to "1e+03".
+  // Above this, three digits would round up to "1e+03".
   if (per_second < 999.5) return fmt::format("{:.3g}/s", per_second);
   return per_second < 999'950 ? fmt::format("{:.1f} k/s", per_second / 1e3)
                               : fmt::format("{:.1f} M/s", per_second / 1e6);

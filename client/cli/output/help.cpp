@@ -31,7 +31,7 @@ std::string lines_after_collide(std::string_view text) {
 
 std::string option_line(const CLI::Option& option) {
   std::string names = option.get_name(false, true);
-  const std::string value = option.get_type_name();  // of a choice "AXIS:{y,z}"
+  const std::string value = option.get_type_name();  // "AXIS:{y,z}" for a choice
   if (option.get_items_expected_max() > 0) names += " " + value.substr(0, value.find(":{"));
   std::string line = "  " + names;
   const bool has_room = line.size() + 1 < kOptionColumn;

@@ -4,7 +4,7 @@
 
 namespace collided::cli {
 
-/// Prints the help of `collide` alone: what it is, two examples, the verbs by group, the guides.
+/// Prints the help of `collide` alone: a description, two examples, the verbs by group, the guides.
 void print_help(Io& io);
 
 /// Prints the help of `collide VERB -h`.

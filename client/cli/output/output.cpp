@@ -21,7 +21,7 @@ namespace {
 
 void append_number(std::string& out, double value) {
   std::array<char, 32> text{};
-  // Adding 0 turns -0 into 0, which is the same number to every reader but not the same text.
+  // Adding 0 turns -0 into 0, which is the same number but a different text.
   const auto result = std::to_chars(text.data(), text.data() + text.size(), value + 0.0);
   out.append(text.data(), result.ptr);
 }
@@ -78,7 +78,8 @@ void append_csv_text(std::string& out, std::string_view text) {
 
 bool is_control(char c) { return static_cast<unsigned char>(c) < ' ' || c == '\x7f'; }
 
-/// Appends text for plain output. Control characters are escaped, so that a record stays one line and commands no terminal.
+/// Appends text for plain output. Control characters are escaped, so that a record stays one line and cannot control a
+/// terminal.
 void append_plain_text(std::string& out, std::string_view text) {
   for (const char c : text) {
     if (c == '\t') out += "\\t";
@@ -121,7 +122,7 @@ void append_column_value(std::string& out, const Value& value, char separator) {
   }
 }
 
-/// A row of a table as a line in which each number stands behind the name of its column.
+/// A row of a table as a line with each number after the name of its column.
 std::string row_as_line(const std::vector<std::string>& header, const std::vector<std::string>& cells) {
   std::string line;
   for (std::size_t column = 0; column < cells.size(); ++column) {
@@ -136,7 +137,7 @@ std::string row_as_line(const std::vector<std::string>& header, const std::vecto
   return line;
 }
 
-/// Behind the object's "{" or its last field; nothing where the field has no value.
+/// Appends after the object's "{" or its last field; nothing if the field has no value.
 void append_json_field(std::string& out, const Field& field) {
   if (is_absent(field.value)) return;
   if (out.back() != '{') out += ',';

@@ -51,7 +51,7 @@ struct Appearance {
   bool color = false;
   Digits digits = Digits::rounded;
   std::size_t width = 0;  // columns of the terminal; 0: lines are not wrapped
-  bool header = false;    // the names of the columns are printed above plain output too
+  bool header = false;    // print the names of the columns above plain output too
 };
 
 /// Writes a verb's output in the chosen form: records for machines, or lines and tables for people. In records, numbers
@@ -60,27 +60,27 @@ class Printer {
  public:
   Printer(std::ostream& out, Format format, std::vector<std::string> fields, Appearance appearance);
 
-  /// True where the output is a table and the user chose no fields: then use line() and row(), else record().
+  /// True if the output is a table and the user chose no fields: then use line() and row(), else record().
   bool human() const { return format_ == Format::table && fields_.empty(); }
   Format format() const { return format_; }
   Digits digits() const { return appearance_.digits; }
 
-  /// Sets the fields of plain output where no --fields are given; csv and json have all fields.
+  /// Sets the fields of plain output without --fields; csv and json have all fields.
   void set_usual_fields(std::vector<std::string> fields) { usual_fields_ = std::move(fields); }
 
-  /// Writes a record. Throws Failure where --fields has a name that the record has not. `--fields help` lists the names
+  /// Writes a record. Throws Failure if --fields has a name that the record lacks. `--fields help` lists the names
   /// instead.
   void record(const Record& record);
-  /// Writes a line for people. Where it is wider than the terminal it continues on the next one, broken at double
-  /// blanks.
+  /// Writes a line for people. If it is wider than the terminal it continues on the next one, broken at double blanks.
   void line(std::string_view text);
   /// Adds a row to the table with this header; finish() writes the table.
   void row(const std::vector<std::string>& header, std::vector<std::string> cells);
-  /// Writes the table with its columns aligned. Where it is wider than the terminal the widest names are cut, never
-  /// numbers; where that is not enough, each row is a line that names its numbers. The caller flushes records and lines.
+  /// Writes the table with its columns aligned. If it is wider than the terminal the widest names are cut, never
+  /// numbers; if that is not enough, each row becomes a line that names its numbers. The caller flushes records and
+  /// lines.
   void finish();
 
-  /// The text with the codes of a colour, where output is coloured.
+  /// The text with the codes of a colour, if output is coloured.
   std::string paint(Paint paint, std::string_view text) const;
 
  private:
@@ -107,7 +107,7 @@ std::string printable(std::string_view text);
 /// A value as one cell of plain output.
 std::string value_text(const Value& value);
 
-/// A record as a JSON object with all of its fields that there are, as `--json` writes it.
+/// A record as a JSON object with all of its non-empty fields, as `--json` writes it.
 std::string record_json(const Record& record);
 
 /// Appends a JSON string with its quotes; bytes that are not UTF-8 become U+FFFD.

@@ -17,8 +17,8 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// Shows a count of something done.
-  /// fraction  of the whole, in [0, 1]; below 0: not known
+  /// Shows a count of completed work.
+  /// fraction  of the whole, in [0, 1]; below 0: unknown
   void show(std::uint64_t done, std::string_view what, double fraction = -1);
   void clear();
 

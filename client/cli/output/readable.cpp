@@ -15,7 +15,7 @@ constexpr double kMicrometre = 1e-6;
 constexpr double kLeastPlain = 1e-4;  // smaller values are written with an exponent
 constexpr int kLeastDigits = 4;
 
-/// The exponent of ten of the last digit that is shown.
+/// The exponent of ten of the last digit shown.
 int last_digit(double value, double error) {
   const double size = std::abs(value);
   const double by_digits = size > 0 ? std::pow(10.0, std::floor(std::log10(size)) - (kLeastDigits - 1)) : kMicrometre;
@@ -23,7 +23,7 @@ int last_digit(double value, double error) {
   return static_cast<int>(std::floor(std::log10(resolution) + 1e-9));  // the log of 1e-6 may be a rounding below -6
 }
 
-/// Fixed notation without trailing zeros, and without a sign where only zeros are left.
+/// Fixed notation without trailing zeros, and without a sign if only zeros are left.
 std::string fixed(double value, int decimals) {
   std::string text = fmt::format("{:.{}f}", value, std::max(0, decimals));
   if (text.find('.') != std::string::npos) {
@@ -45,7 +45,7 @@ std::string with_digits(double value, int digits) {
 
 std::string readable_number(double value, double error) {
   if (!std::isfinite(value)) return format_number(value);
-  if (!std::isfinite(error)) error = 0;  // no bound is known; the digits of the value are no better for that
+  if (!std::isfinite(error)) error = 0;  // no bound is known; show all digits of the value
   if (value == 0) return "0";
   const double size = std::abs(value);
   if (size < kLeastPlain) {
@@ -70,7 +70,7 @@ std::string readable_length(double metres, double error_m, Digits digits) {
 
 std::string readable_point(const Eigen::Vector3d& point, double error_m, Digits digits) {
   if (digits == Digits::all) return format_vector(point);
-  // One resolution for all three: a coordinate of 1e-17 m beside one of 2 m is only rounding.
+  // One resolution for all three: a coordinate of 1e-17 m next to one of 2 m is only rounding.
   const double shown =
       std::max(std::isfinite(error_m) ? error_m : 0, std::min(kMicrometre, 1e-4 * point.cwiseAbs().maxCoeff()));
   return fmt::format("{} {} {}", readable_number(point.x(), shown), readable_number(point.y(), shown),

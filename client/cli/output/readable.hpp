@@ -16,8 +16,8 @@ enum class Digits { rounded, all };
 /// error  bound of the value, in its unit; 0: exact
 std::string readable_number(double value, double error = 0);
 
-/// A length in metres, "1.8 m". Its error bound follows where it is larger than the rounding, and always with
-/// Digits::all: "1.7999999999999998 m ±2.2e-16", "0.2 m exact".
+/// A length in metres, "1.8 m". Its error bound follows if it is larger than the rounding, and always with Digits::all:
+/// "1.7999999999999998 m ±2.2e-16", "0.2 m exact".
 std::string readable_length(double metres, double error_m, Digits digits);
 
 /// A point, "6 0 1.2", with coordinates rounded like lengths.

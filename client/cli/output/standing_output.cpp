@@ -27,7 +27,7 @@ bool held_before(const StandingEvent& event) {
 bool has_stay(const StandingEvent& event) {
   return event.kind == Kind::exit || event.kind == Kind::cross || event.kind == Kind::leave;
 }
-/// Whether the event reports two that came nearer, with their distance.
+/// Whether the event is an approach of two, with their distance.
 bool has_distance(const StandingEvent& event) {
   if (event.doubt != Doubt::none) return false;
   if (event.form == StandingForm::nearest) return !event.object.empty();
@@ -43,7 +43,7 @@ nanoseconds happened_by(const StandingEvent& event) {
   return before(event, event.kind == Kind::cross ? event.left_high_s : event.bracket_high_s);
 }
 
-/// The reason as people call it: what was removed has another name in each form.
+/// The reason for people: the removed item has another name in each form.
 std::string_view reason_text(const StandingEvent& event) {
   if (event.reason != EndReason::fence_removed || event.form == StandingForm::region) return name_of(event.reason);
   return event.form == StandingForm::bands ? "margin_removed" : "question_removed";
@@ -51,7 +51,7 @@ std::string_view reason_text(const StandingEvent& event) {
 
 std::string object_or_nothing(const std::string& name) { return name.empty() ? "nothing" : printable(name); }
 
-/// Between which objects it happened: "forklift_7", "worker x crane" or "door_1 -> door_2".
+/// The objects of the event: "forklift_7", "worker x crane" or "door_1 -> door_2".
 std::string objects_text(const StandingEvent& event) {
   if (event.form == StandingForm::bands) return fmt::format("{} x {}", printable(event.object), printable(event.other));
   if (event.kind == Kind::changed)
@@ -68,7 +68,7 @@ std::string length_text(const StandingEvent& event) {
   return {};
 }
 
-/// How fast two of bands come nearer, and when they would touch.
+/// The closing speed of two in bands, and when they would touch.
 std::string forecast_text(const StandingEvent& event) {
   std::string text;
   if (event.closing_mps > event.closing_error_mps)
@@ -78,7 +78,7 @@ std::string forecast_text(const StandingEvent& event) {
   return text;
 }
 
-/// Since when it has held, how long it had held and why it ended, or what comes next.
+/// Since when it has held, how long it held and why it ended, or what follows.
 std::string course_text(const StandingEvent& event) {
   const std::string stay = has_stay(event) ? format_duration(happened_by(event) - event.entered) : "";
   switch (event.kind) {
@@ -91,7 +91,7 @@ std::string course_text(const StandingEvent& event) {
     case Kind::near:
     case Kind::contact: return has_distance(event) ? forecast_text(event) : "";
     case Kind::changed: {
-      // That another one is nearer is shown already.
+      // The line already shows that another one is nearer.
       const bool is_plain = event.reason == EndReason::none || event.reason == EndReason::separated;
       return is_plain ? "" : fmt::format("  ({})", reason_text(event));
     }
@@ -101,7 +101,7 @@ std::string course_text(const StandingEvent& event) {
 
 // ---- lists ---------------------------------------------------------------------------------------------------------
 
-/// "5 m, 2 m"; contact, which is always a band, is named only where it is the only one.
+/// "5 m, 2 m"; contact, which is always a band, is named only if it is the only one.
 std::string band_list(const DefinedStanding& standing) {
   std::string text;
   for (const double band_m : standing.bands_m) {
@@ -110,7 +110,7 @@ std::string band_list(const DefinedStanding& standing) {
   return text.empty() ? "contact" : text;
 }
 
-/// "forklift_1 forklift_2", or of bands "worker crane 1 m  worker lift contact".
+/// "forklift_1 forklift_2", or for bands "worker crane 1 m  worker lift contact".
 std::string held_text(const ListedStanding& standing, bool is_in_doubt) {
   std::string text;
   for (const HeldObject& held : standing.holds) {
@@ -125,13 +125,13 @@ std::string held_text(const ListedStanding& standing, bool is_in_doubt) {
   return text;
 }
 
-/// The objects that it looks at, by its globs: "forklift* but forklift_9".
+/// The objects that it monitors, by its globs: "forklift* but forklift_9".
 std::string seen_globs(const DefinedStanding& standing) {
   const std::string text = standing.only.empty() ? "all" : printable(standing.only);
   return standing.skip.empty() ? text : text + " but " + printable(standing.skip);
 }
 
-/// What it is about: a region and its carrier, the objects that have the bands, or what the distances are to.
+/// Its subject: a region and its carrier, the owners of the bands, or the origin of the distances.
 std::string about_text(const DefinedStanding& standing) {
   if (standing.form == StandingForm::nearest) return target_text(standing);
   if (standing.form == StandingForm::bands) return printable(standing.around);

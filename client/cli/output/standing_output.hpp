@@ -10,7 +10,7 @@ namespace collided::cli {
 
 /// Every field of an event of a standing question, for machines; fields without meaning for its form or kind are empty.
 Record standing_record(const StandingEvent& event);
-/// The few fields of plain output where the user chose none.
+/// The few fields of plain output without --fields.
 std::vector<std::string> usual_standing_fields();
 /// An event as a line for people. It begins with the time by which the change had happened.
 std::string standing_line(const Printer& printer, const StandingEvent& event);
@@ -21,7 +21,7 @@ Record standing_record(const ListedStanding& standing);
 std::vector<std::string> standing_row(const ListedStanding& standing);
 std::vector<std::string> standing_columns();
 
-/// What the distances of a question for the nearest are to: an object's name, or a point.
+/// The origin of the distances of a question for the nearest: an object's name, or a point.
 std::string target_text(const DefinedStanding& standing);
 
 }  // namespace collided::cli

@@ -42,7 +42,7 @@ std::string bare(std::string_view name) {
   return text;
 }
 
-/// Shorter texts are contained in too many names to be of use.
+/// Shorter texts occur in too many names to be useful.
 constexpr std::size_t kLeastPart = 3;
 
 }  // namespace
@@ -53,7 +53,7 @@ std::vector<std::string> nearest_names(std::string_view wrong, const std::vector
   const std::string bare_wrong = bare(wrong);
   struct Near {
     std::size_t edits = 0;
-    std::size_t differs_at = 0;  // the first letter that differs; of two that are equally near the later one was meant
+    std::size_t differs_at = 0;  // the first differing letter; of two equally near names the later one was meant
     std::string name;
   };
   std::vector<Near> found;

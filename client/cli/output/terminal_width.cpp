@@ -10,7 +10,7 @@ namespace collided::cli {
 
 namespace {
 
-/// A number above 0 in a variable; 0 where there is none.
+/// A number above 0 in a variable; 0 if there is none.
 std::size_t number_in(const Io& io, const char* variable) {
   const std::string asked = io.env(variable);
   std::size_t number = 0;

@@ -8,7 +8,7 @@ constexpr char kDelete = 127;
 constexpr char kBackspace = 8;
 constexpr std::size_t kMostFilterBytes = 255;
 
-/// Takes the last character away, whatever bytes it has in UTF-8.
+/// Removes the last character with all its bytes in UTF-8.
 void drop_character(std::string& text) {
   const auto goes_on = [](char byte) { return (static_cast<unsigned char>(byte) & 0xc0) == 0x80; };
   while (!text.empty() && goes_on(text.back())) text.pop_back();

@@ -4,7 +4,7 @@
 
 namespace collided::cli {
 
-/// Does what a key of `collide top` asks for. Returns false where it ends the page.
+/// Carries out a key of `collide top`. Returns false if it ends the page.
 bool obey(char key, TopChoice& choice);
 
 }  // namespace collided::cli

@@ -99,7 +99,7 @@ void add_not_built(const Figures& figures, std::vector<std::string>& lines) {
   lines.push_back(line);
 }
 
-/// Adds a line where there are fences or margins.
+/// Adds a line if there are fences or margins.
 void add_fences(const Figures& figures, std::vector<std::string>& lines) {
   if (figures.fences.count == 0) return;
   lines.push_back(fmt::format("FENCES {} with bands   entered {}   in them {}   events {}",
@@ -109,7 +109,7 @@ void add_fences(const Figures& figures, std::vector<std::string>& lines) {
   if (figures.fences.cut_short > 0) lines.back() += "   cut short " + format_count(figures.fences.cut_short);
 }
 
-/// Adds a line where publishers' stamps are late, jump or are missing.
+/// Adds a line if publishers' stamps are late, jump or are missing.
 void add_odd_stamps(const Figures& figures, std::vector<std::string>& lines) {
   if (figures.stamps.late + figures.stamps.jumped + figures.stamps.missing == 0) return;
   lines.push_back(fmt::format("STAMPS late {}   jumped {}   missing {}", format_count(figures.stamps.late),

@@ -10,7 +10,7 @@
 
 namespace collided::cli {
 
-/// A server's status, and what it did between two looks at it.
+/// A server's status, and its activity between two looks at it.
 struct Look {
   ServerStatus status;
   Figures figures;                // of the time between the two looks
@@ -22,7 +22,7 @@ struct Look {
 std::vector<std::string> top_lines(const Look& look);
 
 /// The page as records {figure, value, unit}: first the figures that every server has, then each publisher, then the
-/// structures that are not built.
+/// structures not built.
 std::vector<Record> top_records(const Look& look);
 
 /// The rate of questions, per second.

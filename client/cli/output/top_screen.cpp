@@ -16,7 +16,7 @@ constexpr std::chrono::seconds kLongSilent{2};
 constexpr std::size_t kNameColumns = 8;
 constexpr std::size_t kFigureColumns = 11;
 
-/// The text with blanks before or after it; one that is too long loses its middle.
+/// The text padded with blanks before or after; one that is too long loses its middle.
 std::string padded_or_cut(std::string_view text, std::size_t columns, bool at_right) {
   std::string kept = cut_to(text, columns);
   const std::string blanks(columns - std::min(columns, columns_of(kept)), ' ');
@@ -25,7 +25,7 @@ std::string padded_or_cut(std::string_view text, std::size_t columns, bool at_ri
 
 std::string figure_cell(std::string_view text) { return padded_or_cut(text, kFigureColumns, true); }
 
-/// A row of rates: name, rate, median, p99, and the rate's history in what room is left.
+/// A row of rates: name, rate, median, p99, and the rate's history in the remaining room.
 std::string rate_row(const std::string& name, double rate, const std::vector<DurationStep>& durations,
                      const TopHistory& history, std::size_t columns) {
   std::string row = padded_or_cut(name, kNameColumns, false) + figure_cell(rate_text(rate));
@@ -43,7 +43,7 @@ void add_rates(const Look& look, const TopHistory& history, std::size_t columns,
                   figure_cell("P99") + "  HISTORY");
   bool is_asked = false;
   for (const AskedKind& asked : figures.questions) {
-    // A kind that was asked a moment ago keeps its row, so that the screen does not jump.
+    // A recently asked kind keeps its row, so that the screen does not jump.
     const auto past = history.rates().find(asked.kind);
     const bool was_asked = past != history.rates().end() &&
                            std::any_of(past->second.begin(), past->second.end(), [](double rate) { return rate > 0; });
@@ -225,7 +225,8 @@ std::vector<std::string> top_screen(const Look& look, const TopHistory& history,
 }
 
 std::string braille_curve(const std::deque<double>& values, std::size_t columns) {
-  // Dots of the left and the right column of a character, filled from below. Source: Unicode, "Braille Patterns", U+2800.
+  // Dots of the left and the right column of a character, filled from below. Source: Unicode, "Braille Patterns",
+  // U+2800.
   static constexpr unsigned kLeft[] = {0, 0x40, 0x44, 0x46, 0x47};
   static constexpr unsigned kRight[] = {0, 0x80, 0xa0, 0xb0, 0xb8};
   constexpr double kLevels = 4;

@@ -12,15 +12,15 @@
 
 namespace collided::cli {
 
-/// What earlier looks have seen: the rates of each row of the screen, the newest last, and how far each publisher was.
+/// Values of earlier looks: the rates of each row of the screen, newest last, and how far each publisher was.
 class TopHistory {
  public:
-  /// Takes a look in; rates of publishers are of the time since the one before.
+  /// Adds a look; rates of publishers are since the one before.
   void add(const Look& look);
-  /// After a restart of the server nothing of before can be compared.
+  /// Call this after a restart of the server: earlier values cannot be compared.
   void clear();
 
-  /// By the name of a row ("ray", "step", "poses"), the newest last.
+  /// By the name of a row ("ray", "step", "poses"), newest last.
   const std::map<std::string, std::deque<double>, std::less<>>& rates() const { return rates_; }
   /// Messages a second of a publisher; nothing before its second look.
   std::optional<double> messages_per_second(std::string_view publisher) const;
@@ -36,7 +36,7 @@ class TopHistory {
 
 enum class TopOrder { age, rate, name };
 
-/// How the reader wants the list of publishers.
+/// The reader's choices for the list of publishers.
 struct TopChoice {
   TopOrder order = TopOrder::age;
   bool is_reversed = false;
@@ -45,16 +45,16 @@ struct TopChoice {
   bool is_paused = false;
 };
 
-/// The screen of `collide top`: `rows` lines, each of at most `columns` columns, the keys in the last one; with 0 rows as many
-/// as there is to say, without the keys. note: what to say above all; empty: nothing.
+/// The screen of `collide top`: `rows` lines, each of at most `columns` columns, the keys in the last one; with 0 rows
+/// as many lines as needed, without the keys. note: a text above the rest; empty: none.
 std::vector<std::string> top_screen(const Look& look, const TopHistory& history, const TopChoice& choice,
                                     std::string_view note, std::size_t columns, std::size_t rows);
 
-/// Values as a curve in braille, two of them a character and four levels high, the newest at the right. Values may be fewer
-/// than there is room for.
+/// Values as a curve in braille, two of them a character and four levels high, the newest at the right. Values may be
+/// fewer than there is room for.
 std::string braille_curve(const std::deque<double>& values, std::size_t columns);
 
-/// The text's first columns, cut between words where that leaves more than half of it: part of a number would read as
+/// The text's first columns, cut between words if that leaves more than half of it: part of a number would read as
 /// another one.
 std::string cut_between_words(std::string_view line, std::size_t columns);
 

@@ -21,23 +21,22 @@ bool is_number(std::string_view word) {
   return !word.empty() && (word.front() == '.' || (word.front() >= '0' && word.front() <= '9')) && is_number_text(word);
 }
 
-/// The word that ends before this place.
+/// The word that ends before this position.
 std::string_view word_before(std::string_view text, std::size_t end) {
   const std::size_t blank = text.substr(0, end).rfind(' ');
   const std::size_t begin = blank == std::string_view::npos ? 0 : blank + 1;
   return text.substr(begin, end - begin);
 }
 
-/// Where to break the text so that at most `width` columns come before: after the last double blank where that fills
-/// half of them, else after the last blank that does not follow a number, else after the last blank; npos where there is
-/// none.
+/// Where to break the text so that at most `width` columns come before: after the last double blank if that fills half
+/// of them, else after the last blank that does not follow a number, else after the last blank; npos if there is none.
 std::size_t break_before(std::string_view text, std::size_t width) {
   constexpr std::size_t kNone = std::string_view::npos;
   std::size_t any = kNone;
   std::size_t between_words = kNone;
   std::size_t two = kNone;
   for (std::size_t at = 1; at < text.size() && columns_of(text.substr(0, at)) <= width; ++at) {
-    if (text[at] != ' ' || text.substr(0, at).ends_with("·")) continue;  // what is between two stays with the second
+    if (text[at] != ' ' || text.substr(0, at).ends_with("·")) continue;  // a separator stays with the second text
     any = at;
     if (!is_number(word_before(text, at))) between_words = at;
     if (at + 1 < text.size() && text[at + 1] == ' ') two = at;

@@ -19,7 +19,7 @@ struct BounceOptions {
   double speed_m_s = 0.5;  // largest velocity component
   double spin_rad_s = 0;   // largest angular speed
   std::uint64_t seed = 7;
-  bool as_asked = false;  // flip on every frame of a contact, as the homework is worded
+  bool as_asked = false;  // flip on every frame of a contact, as in the homework's text
   response::ResponseLaw answer = response::ResponseLaw::flip;
   double restitution = 1;      // for impulse and compliant
   double stiffness_n_m = 1e6;  // for compliant
@@ -29,10 +29,10 @@ using Sphere = response::Sphere;
 using BounceLedger = response::SphereLedger;
 
 /// Spheres of random sizes, places and velocities in a cube about the origin. The server finds which of them touch; the
-/// response library computes what happens then. One thread.
+/// response library computes the consequences. One thread.
 class Bounce {
  public:
-  /// Throws Failure where the spheres cannot fit, or where no spring loses as much as the restitution requires.
+  /// Throws Failure if the spheres cannot fit, or if no spring loses as much as the restitution requires.
   explicit Bounce(const BounceOptions& options);
 
   const std::vector<Sphere>& spheres() const { return response_.spheres(); }

@@ -16,7 +16,7 @@ namespace {
 
 constexpr std::size_t kMostEventsPerFrame = 100'000;
 // If the server's world time differs from this publisher's time by more than this (the publisher's lease), the server
-// does not count by this publisher's clock.
+// does not use this publisher's clock.
 constexpr double kMostClockOff_s = 0.5;
 
 std::string escaped_glob(std::string_view name) {
@@ -125,8 +125,8 @@ class BounceSource : public MotionSource {
   }
 
   /// When and how deep the spheres of an event touch. World time is this publisher's own, to the nanosecond, so an
-  /// event's bracket can be compared with the spheres' times however late it is received. Where the clocks differ so
-  /// much that the server counts by its own, only depth and velocity are used.
+  /// event's bracket can be compared with the spheres' times, even if it is received late. If the clocks differ so much
+  /// that the server uses its own, only depth and velocity are used.
   response::Touch touch_of(const Event& event) const {
     const double told_s = std::chrono::duration<double>(newest_ - event.world_time).count();
     if (!(std::abs(told_s) < kMostClockOff_s)) return {.earliest_s = kMostClockOff_s, .depth_m = event.depth_m};

@@ -25,8 +25,8 @@ class CsvSource : public MotionSource {
     if (!read_ahead_) read();
     if (!read_ahead_) return std::nullopt;
     const std::optional<double> time_s = read_ahead_->time_s;
-    // A frame is the rows with one time. Without times, it is one row for each object in a file, and what has come in a
-    // pipe.
+    // A frame is the rows with one time. Without times, it is one row for each object in a file, and the available rows
+    // in a pipe.
     while (read_ahead_ && belongs_to_frame(time_s)) {
       put_into_frame(std::move(*read_ahead_));
       read_ahead_.reset();

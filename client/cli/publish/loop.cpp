@@ -94,12 +94,12 @@ class Loop {
     if (!sent->lost.empty() && !std::exchange(was_warned_of_loss_, true)) print_warning(io_, sent->lost);
   }
 
-  /// Waits until the server has the first objects, and reports those that it does not take. The clock of the run begins
-  /// only then: frames that are due meanwhile would be late.
+  /// Waits until the server has the first objects, and reports those that it refuses. The clock of the run begins only
+  /// then: frames due in the meantime would be late.
   void enter() {
     const Clock::time_point asked = Clock::now();
     const Result<void> entered = publisher_.wait_entered(kPatience);
-    // A server that is silent may be back; look_at_end() reports it if it is not.
+    // A silent server may be back; look_at_end() reports it if it is not.
     if (!entered && entered.error().code == ErrorCode::refused) note_refused(entered.error());
     const Clock::duration waited = Clock::now() - asked;
     for (Clock::time_point* time : {&start_, &round_start_, &last_due_}) *time += waited;
@@ -107,7 +107,7 @@ class Loop {
     until_ = Until(options_.most_frames, options_.most_time);
   }
 
-  /// Without this a run whose objects never were in the world would end like any other.
+  /// Without this a run whose objects never were in the world would end normally.
   void look_at_end() {
     if (const Result<void> applied = publisher_.wait_applied(kPatience); !applied) {
       if (applied.error().code == ErrorCode::refused) note_refused(applied.error());
@@ -120,7 +120,7 @@ class Loop {
                                      counted(merged_, "pose")));
   }
 
-  /// The run goes on: other objects may be in the world, and one whose name is taken enters once it is free.
+  /// The run continues: other objects may be in the world, and one whose name is taken enters once it is free.
   void note_refused(const Error& error) {
     std::uint64_t count = 1;
     if (const Result<PublisherReport> found = publisher_.report(kPatience))
@@ -137,7 +137,7 @@ class Loop {
     print_failure(io_, globals_, failure);
   }
 
-  /// The time of a frame: the one that the source gives, however late it is sent; without one, the time of sending.
+  /// The time of a frame: the source's, even if it is sent late; without one, the time of sending.
   std::chrono::nanoseconds instant() {
     const auto now = since_1970(Clock::now());
     last_instant_ =
@@ -150,12 +150,13 @@ class Loop {
     return std::chrono::duration_cast<std::chrono::nanoseconds>(begun_ + (time - start_));
   }
 
-  /// It says how far the time has come, and nothing about the objects: the next frame may have moved them all the while.
+  /// Reports how far time has advanced, but nothing about the objects: the next frame may have moved them all the
+  /// while.
   void keep_alive() {
     if (const Result<void> said = publisher_.keep_alive(since_1970(Clock::now())); !said) lose(said.error());
   }
 
-  /// One long pause is something that rested; several in a row are a source that is slower than the gap.
+  /// One long pause means that something rested; several in a row mean that the source is slower than the gap.
   void note_period(std::chrono::nanoseconds at) {
     constexpr int kSeveral = 3;
     const std::chrono::nanoseconds period = at - std::exchange(noted_, at);
@@ -169,7 +170,7 @@ class Loop {
                          seconds(period), seconds(options_.gap), 1.5 * seconds(period)));
   }
 
-  /// A frame could not be sent. The server may come back, so the run goes on and counts what is missing.
+  /// A frame could not be sent. The server may come back, so the run continues and counts missing ones.
   void lose(const Error& error) {
     if (lost_++ == 0) print_hint(io_, globals_, "not sent: " + error.message + "; going on");
   }
@@ -177,7 +178,7 @@ class Loop {
   void stay() {
     print_hint(io_, globals_, "the last frame is out; its objects stay until Ctrl-C");
     while (!stop_requested && Clock::now() < until_.end()) {
-      // Everything rests; this flush says so, so that contacts with other publishers' objects can be decided.
+      // Everything rests; this flush reports that, so that contacts with other publishers' objects can be decided.
       flush(std::max(since_1970(Clock::now()), last_instant_));
       sleep_until(std::min(Clock::now() + kKeepAlive, until_.end()));
     }
@@ -230,7 +231,7 @@ class Loop {
   std::uint64_t lost_ = 0;
   std::uint64_t merged_ = 0;           // poses, as the server counts them
   std::uint64_t objects_refused_ = 0;  // not in the world when the server was asked
-  std::string failed_;                 // what was printed last
+  std::string failed_;                 // printed last
   Exit failed_as_ = Exit::yes;
 };
 

@@ -12,9 +12,9 @@ namespace collided::cli {
 struct PublishLoopOptions {
   std::string publisher_name;
   std::chrono::nanoseconds gap = PublishOptions{}.gap;
-  double rate_hz = 0;  // frames a second; 0: the source's own times count
+  double rate_hz = 0;  // frames a second; 0: use the source's own times
   double speed = 1;    // factor on the source's own times
-  bool loop = false;   // begin again after the last frame
+  bool loop = false;   // restart after the last frame
   bool stay = false;   // after the last frame: keep the objects until interrupted
   std::uint64_t most_frames = 0;
   std::chrono::nanoseconds most_time = std::chrono::nanoseconds::max();

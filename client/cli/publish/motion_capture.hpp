@@ -9,7 +9,7 @@
 
 namespace collided::cli {
 
-/// What a channel's value is.
+/// The meaning of a channel's value.
 enum class BvhChannel : std::uint8_t { x_position, y_position, z_position, x_rotation, y_rotation, z_rotation };
 
 /// A joint of the recorded skeleton, or the end of a bone.

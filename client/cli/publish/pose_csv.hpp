@@ -13,7 +13,7 @@ namespace collided::cli {
 /// A row of poses.
 struct PoseRow {
   std::optional<double> time_s;
-  std::string config;  // that the pose is of, where the file has configurations instead of times
+  std::string config;  // its configuration's name, if the file has configurations instead of times
   std::string name;
   Pose pose;
 };
@@ -26,17 +26,17 @@ class PoseCsv {
   enum class Found { row, refused, end };
 
   explicit PoseCsv(const InputFile& file) : file_(file), lines_(file.descriptor()) {}
-  /// Of configurations: in place of the time is the name of one, any text.
+  /// For configurations: the first column is the name of one, any text, instead of the time.
   ///
-  /// lines       of the file, of which the first was read
-  /// first_line  that one
+  /// lines       of the file, after its first
+  /// first_line  the first line
   PoseCsv(const InputFile& file, LineReader lines, std::string first_line)
       : file_(file), lines_(std::move(lines)), has_configs_(true), first_line_(std::move(first_line)) {}
 
-  /// Reads the next row. Where it is refused, `refusal` says why: "poses.csv line 7: 'nan' in column x", and the row has its
-  /// config where that was read. Throws Failure where the header is not understood.
+  /// Reads the next row. If it is refused, `refusal` gives the reason: "poses.csv line 7: 'nan' in column x", and the
+  /// row has its config if that was read. Throws Failure if the header is not understood.
   Found next(PoseRow& row, std::string& refusal);
-  /// As LineReader::when_waiting.
+  /// See LineReader::when_waiting.
   void when_waiting(std::function<void()> call) { lines_.when_waiting(std::move(call)); }
   /// Whether next() would not wait.
   bool ready() { return lines_.ready(); }
@@ -52,7 +52,7 @@ class PoseCsv {
   const InputFile& file_;
   LineReader lines_;
   bool has_configs_ = false;
-  std::optional<std::string> first_line_;  // read, not yet taken
+  std::optional<std::string> first_line_;  // read, but not yet used
   bool started_ = false;
   bool has_time_ = true;
   char separator_ = ',';

@@ -108,7 +108,7 @@ class RobotSource : public MotionSource {
     read_ahead_ = std::move(row);
   }
 
-  /// Whether the robot can stand so; says what looks odd.
+  /// Whether the robot can take this position; warns of suspicious values.
   bool is_possible(const JointRow& row, std::string& refusal) {
     const Result<std::vector<std::string>> set = robot_.set(row.joints, positions_, options_.beyond_limits);
     if (!set) {
@@ -125,7 +125,7 @@ class RobotSource : public MotionSource {
     return true;
   }
 
-  /// Between two rows a link is swept in a straight line. A worse row than before is named once it is twice as bad.
+  /// Between two rows a link is swept in a straight line. A worse row than before is reported once it is twice as bad.
   void warn_of_chord() {
     const std::vector<double> before = std::exchange(positions_before_, positions_);
     if (before.size() != positions_.size()) return;

@@ -48,7 +48,7 @@ class VoxelSource : public MotionSource {
                                  wire_contract::since_1970()));
     is_taken_ = true;
     ++frames_;
-    // A block that the server has no room for would be space that is taken for free.
+    // A missing block would be space that counts as free.
     if (const Result<void> applied = publisher.wait_applied(kPatience); !applied) throw as_failure(applied.error());
     return 0;
   }

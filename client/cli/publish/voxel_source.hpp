@@ -11,17 +11,17 @@
 
 namespace collided::cli {
 
-/// A scan to be published as occupied cells.
+/// A scan published as occupied cells.
 struct VoxelSourceOptions {
   std::string path;  // of any format whose points `load` reads
   std::string name;  // of the cells' objects
   VoxelOptions voxels = {};
   std::optional<Vec3> origin = {};  // of the sensor
   ObjectTexts objects = {};
-  double rate_hz = 1;  // of frames, each of which takes the scan once more
+  double rate_hz = 1;  // of frames, each of which integrates the scan once more
 };
 
-/// Reads the scan, and takes it in every frame. Throws Failure for a file that holds no points.
+/// Reads the scan, and integrates it in every frame. Throws Failure for a file without points.
 std::unique_ptr<MotionSource> make_voxel_source(const Io& io, const VoxelSourceOptions& options);
 
 }  // namespace collided::cli

@@ -69,7 +69,7 @@ class Walker : public MotionSource {
 
   std::size_t move(WorldPublisher& publisher) override {
     const std::vector<Pose> poses = walker_poses(bvh_, parts_, options_, frame_++);
-    // When the recording begins again, the person is placed at the start, not moved there through the room.
+    // When the recording restarts, the person is placed at the start, not moved there through the room.
     for (std::size_t at = 0; at < poses.size(); ++at) moved(publisher.move(objects_[at], poses[at], restarted_));
     restarted_ = false;
     return poses.size();

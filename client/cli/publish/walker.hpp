@@ -9,7 +9,7 @@
 
 namespace collided::cli {
 
-/// How a recorded person becomes objects.
+/// How to turn a recorded person into objects.
 struct WalkerOptions {
   std::string name;   // the objects' names are name/joint
   double unit_m = 1;  // length of the file's unit

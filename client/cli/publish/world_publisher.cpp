@@ -50,7 +50,7 @@ Result<void> WorldPublisher::wait_applied(std::chrono::nanoseconds timeout) {
 }
 
 Result<void> WorldPublisher::wait_entered(std::chrono::nanoseconds timeout) {
-  // In shards objects enter with an instant.
+  // With shards, objects enter with an instant.
   if (auto* const sharded = std::get_if<ShardedPublisher>(&publisher_)) {
     if (const Result<FlushReport> sent = sharded->flush(); !sent) return sent.error();
   }

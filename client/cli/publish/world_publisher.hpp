@@ -11,7 +11,7 @@
 
 namespace collided::cli {
 
-/// A publisher of one server, or with --shards of a world on several. The session must outlive it. One thread.
+/// A publisher to one server, or with --shards to several. The session must outlive it. One thread.
 class WorldPublisher {
  public:
   using Object = Publisher::Object;
@@ -23,14 +23,14 @@ class WorldPublisher {
   Result<Object> add(const ObjectOptions& options);
   Result<void> move(Object object, const Pose& pose, bool teleport = false);
   Result<FlushReport> flush(std::chrono::nanoseconds source_time);
-  /// As Publisher::stream. Throws Failure with --shards, where each flush says of every object where it is.
+  /// See Publisher::stream. Throws Failure with --shards, where each flush has the pose of every object.
   void stream();
   Result<void> keep_alive(std::chrono::nanoseconds source_time);
   Result<void> wait_applied(std::chrono::nanoseconds timeout);
   /// Waits until every object added so far is in the world; returns why one is not.
   Result<void> wait_entered(std::chrono::nanoseconds timeout);
   Result<PublisherReport> report(std::chrono::nanoseconds timeout);
-  /// For what does more than these: without --shards only.
+  /// For further calls: only without --shards.
   Publisher& of_one_server() { return std::get<Publisher>(publisher_); }
 
  private:

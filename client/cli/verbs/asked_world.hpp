@@ -11,8 +11,8 @@
 
 namespace collided::cli {
 
-/// Who answers the questions of a verb: one server, or with --shards all those of a shard map. Connects at once; throws
-/// Failure. The session must outlive it.
+/// Asks a verb's questions: one server, or with --shards all those of a shard map. Connects at once; throws Failure.
+/// The session must outlive it.
 class AskedWorld {
  public:
   AskedWorld(Session& session, const Globals& globals);
@@ -20,13 +20,13 @@ class AskedWorld {
   Result<Answers> ask(const Questions& questions, const AskOptions& options);
   /// The same on another thread.
   std::future<Result<Answers>> ask_async(Questions questions, const AskOptions& options);
-  /// Of one server with nothing left open.
+  /// For one server, with no options left open.
   Result<ShardedPairAnswer> pair(const std::string& a, const std::string& b, const PairOptions& options);
   Result<ShardedClearanceAnswer> clearance(const std::string& from, const ClearanceOptions& options);
 
  private:
   Client* client_ = nullptr;
-  ShardedClient* shards_ = nullptr;  // in its place, with --shards
+  ShardedClient* shards_ = nullptr;  // instead of it, with --shards
 };
 
 }  // namespace collided::cli

@@ -20,20 +20,20 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-// The first request is small, so that answers come soon; the next ones grow. No more than keeps a server's processors
-// busy: a larger one costs the program more in memory that it touches for the first time than the server in answering.
+// The first request is small, so that answers come soon; the next ones grow. The limit keeps a server's processors
+// busy: a larger request costs the program more in memory touched for the first time than the server in answering.
 constexpr std::size_t kFirstRequest = 1'000;
 constexpr std::size_t kLargestRequest = 8'000;
 constexpr std::size_t kMostInFlight = 2;
 
-/// Has the memory of answered questions used for the next ones, rather than given to the system and taken anew page by
-/// page, which was a quarter of a batch's processor time.
+/// Reuses the memory of answered questions for the next ones, instead of returning it to the system and allocating it
+/// again page by page, which was a quarter of a batch's processor time.
 void keep_freed_memory() {
 #ifdef __GLIBC__
   constexpr int kMiB = 1 << 20;
   mallopt(M_MMAP_THRESHOLD, 32 * kMiB);
   mallopt(M_TRIM_THRESHOLD, 256 * kMiB);
-  mallopt(M_ARENA_MAX, 1);  // questions are made on one thread and let go of on another
+  mallopt(M_ARENA_MAX, 1);  // questions are made on one thread and freed on another
 #endif
 }
 
@@ -70,7 +70,7 @@ class Batch {
       read_some();
       if (!pending_.lines.empty()) send();
       while (!in_flight_.empty() && front_is_ready()) print_front();
-      // Nothing can be read at the moment: answers are printed before waiting for the pipe.
+      // Nothing can be read at the moment: prints answers before waiting for the pipe.
       while (!in_flight_.empty() && !ended_ && !reader_.ready()) print_front();
     }
     while (!in_flight_.empty() && !stop_requested) print_front();

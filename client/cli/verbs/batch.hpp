@@ -15,9 +15,9 @@ struct BatchOptions {
   bool stop_on_error = false;
 };
 
-/// Answers every question of a file or pipe, in order and with its id. It sends requests of growing size, several at a
-/// time, each about one state of the world. When the pipe pauses it sends what has come so far. Bad lines are refused
-/// one by one.
+/// Answers every question of a file or pipe, in order and with its id. Sends requests of growing size, several at a
+/// time, each about one state of the world. When the pipe pauses it sends the available ones. Bad lines are refused one
+/// by one.
 Exit run_batch(Session& session, const Globals& globals, const BatchOptions& options);
 
 }  // namespace collided::cli

@@ -31,11 +31,11 @@ namespace {
 
 using std::chrono::nanoseconds;
 
-/// An instant is certain once all publishers have spoken of a later one.
+/// An instant is certain once all publishers have reported a later one.
 constexpr std::chrono::milliseconds kAfter{500};
-/// Poses from before the stretch come at its beginning: what is asked about lies farther on.
+/// Poses from before the interval are applied at its beginning: the question concerns a later part.
 constexpr std::chrono::seconds kBefore{1};
-/// Of the time before an event, so that what moved then has a path.
+/// Interval before an event, so that the moving objects have a path.
 constexpr std::chrono::seconds kBeforeEvent{2};
 
 void shift_times(nlohmann::json& answer, nanoseconds back) {
@@ -55,7 +55,7 @@ void shift_times(nlohmann::json& answer, nanoseconds back) {
   }
 }
 
-/// The stretch of a recording that is replayed, since 1970.
+/// The interval of a recording to replay, since 1970.
 struct ReplayedSpan {
   nanoseconds from{0};
   nanoseconds to{0};
@@ -77,9 +77,9 @@ class RecordedServer {
 
   Client& client() { return server_.session().client(server_.globals()); }
 
-  /// Replays a stretch and asks at its end; returns the answer in the recording's time.
+  /// Replays an interval and asks at its end; returns the answer in the recording's time.
   ///
-  /// ask  is given how far the replay's times are behind the recording's
+  /// ask  receives how far the replay's times are behind the recording's
   nlohmann::json answer_after(const ReplayedSpan& stretch,
                               const std::function<nlohmann::json(Session&, const Globals&, nanoseconds shift)>& ask) {
     nlohmann::json answer;
@@ -107,7 +107,7 @@ class RecordedServer {
       print_hint(outer_.io, outer_globals_, "warning: " + printable(warning));
     if (failed) std::rethrow_exception(failed);
     if (report.stopped) throw Failure(Exit::interrupted, "");
-    answer["version"] = 0;  // that of the replayed world says nothing of the recorded one
+    answer["version"] = 0;  // that of the replayed world is meaningless for the recorded one
     return answer;
   }
 
@@ -158,7 +158,7 @@ ReplayedSpan stretch_about(nanoseconds low, nanoseconds high, nanoseconds lead, 
 
 Event recorded_event(const RecordedWorld& world, const RecordedEvents& recorded, std::uint64_t sequence) {
   const auto is_it = [&](const Event& event) { return event.kind != EventKind::open && event.sequence == sequence; };
-  // Of several lives of a server the last one counts.
+  // Of several runs of a server the last one counts.
   const auto found = std::find_if(recorded.events.rbegin(), recorded.events.rend(), is_it);
   if (found == recorded.events.rend()) {
     throw Failure(Exit::no, fmt::format("no event {} of contacts in {}", sequence, printable(world.path)),
@@ -167,7 +167,7 @@ Event recorded_event(const RecordedWorld& world, const RecordedEvents& recorded,
   return *found;
 }
 
-/// The replay's event that is the recorded one again: of the same two, and the nearest to it in time.
+/// The replay's event that matches the recorded one: of the same two, and nearest in time.
 std::optional<Event> same_event(Watch& watch, const Event& recorded, nanoseconds shift) {
   constexpr std::chrono::seconds kPatience{2};
   constexpr std::chrono::milliseconds kQuiet{300};
@@ -185,7 +185,7 @@ std::optional<Event> same_event(Watch& watch, const Event& recorded, nanoseconds
   return best;
 }
 
-/// Which of the two comes first depends on the numbers that the server gives them.
+/// Which of the two comes first depends on the server's numbers for them.
 void swap_sides(nlohmann::json& answer) {
   std::swap(answer.at("a"), answer.at("b"));
   std::swap(answer.at("a_triangle"), answer.at("b_triangle"));
@@ -212,7 +212,7 @@ nlohmann::json explain_recorded(Session& session, const Globals& globals, const 
 
 nlohmann::json explain_recorded_standing(Session& session, const Globals& globals, const RecordedWorld& world,
                                          nlohmann::json arguments, const AskExplanation& ask) {
-  // Of the nearest, the last of the others may be the one that was nearest then.
+  // For the nearest, the last of the others may be the one that was nearest then.
   constexpr std::uint64_t kMostOthers = 1'000;
   const std::uint64_t most = arguments.value("most", std::uint64_t{3});
   arguments["most"] = std::max(most, kMostOthers);
@@ -230,7 +230,7 @@ nlohmann::json explain_recorded_standing(Session& session, const Globals& global
                                 shell_word(world.path)));
     }
   };
-  // What it had reported is in the recording, so nothing needs to move again in time.
+  // Its reports are in the recording, so nothing needs to move again in time.
   const nlohmann::json answer = server.answer_after({.from = instant, .to = instant}, ask_then);
   auto explained = from_json<ExplainedStanding>(answer);
   put_recorded_news(explained, world.path, world.as_of.empty() ? nanoseconds::max() : instant, most);

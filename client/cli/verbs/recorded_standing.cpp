@@ -31,9 +31,9 @@ std::vector<StandingEvent> events_of(const std::string& name, const std::string&
 
 bool held_before(const StandingEvent& event) { return event.kind == Kind::inside || event.kind == Kind::is; }
 
-/// What held then, by the objects.
+/// The held objects at an instant, by name.
 std::map<std::string, StandingEvent> held_at(const std::string& name, const std::string& path, nanoseconds instant) {
-  // What happened at the instant itself held from then on.
+  // Changes at the instant itself hold from then on.
   const RunTime after{.offset = instant + nanoseconds(instant < nanoseconds::max() ? 1 : 0)};
   RecordedEventsOptions options;
   options.from = options.to = after;
@@ -45,7 +45,7 @@ std::map<std::string, StandingEvent> held_at(const std::string& name, const std:
   return held;
 }
 
-/// World time that lies so many seconds before the event's.
+/// The world time this many seconds before the event's.
 nanoseconds before(const StandingEvent& event, double seconds) {
   return event.world_time - nanoseconds(std::llround(seconds * 1e9));
 }
@@ -65,7 +65,7 @@ ExplainedNews news_of(const StandingEvent& event) {
           .high = before(event, event.kind == Kind::cross ? event.left_high_s : event.bracket_high_s)};
 }
 
-/// The last events up to the instant, without those that report what had held before.
+/// The last events up to the instant, without those that report earlier states.
 std::vector<ExplainedNews> news_up_to(const std::string& name, const std::string& path, nanoseconds instant) {
   RecordedEventsOptions options;
   options.to = RunTime{.offset = instant};
@@ -77,7 +77,7 @@ std::vector<ExplainedNews> news_up_to(const std::string& name, const std::string
   return news;
 }
 
-/// Makes this object the one that is nearest, and the one that was one of the others. An empty name: none is nearest.
+/// Makes this object the nearest, and the previous one one of the others. An empty name: none is nearest.
 void make_nearest(ExplainedStanding& explained, const std::string& object) {
   if (!explained.holds.empty() && explained.holds.front().object == object) return;
   std::vector<ExplainedObject>& others = explained.others;
@@ -109,7 +109,7 @@ void put_recorded_news(ExplainedStanding& explained, const std::string& path, na
   if (explained.asked_for) put(*explained.asked_for);
   if (explained.others.size() > most) explained.others.resize(most);
   explained.events = news_up_to(explained.name, path, instant);
-  explained.cut_short = 0;  // of the replay's searches
+  explained.cut_short = 0;  // the replay's searches
 }
 
 }  // namespace collided::cli

@@ -8,9 +8,9 @@
 
 namespace collided::cli {
 
-/// Puts into a replay server's explanation what the recorded server had reported up to an instant: what held and since when,
-/// and the last events with their numbers. A replay reports its own stretch of time only, and which object is nearest
-/// depends, with a hysteresis, on what came before. Throws Failure.
+/// Adds to a replay server's explanation the recorded server's reports up to an instant: the held objects and since
+/// when, and the last events with their numbers. A replay reports its own interval only, and which object is nearest
+/// depends, by hysteresis, on earlier states. Throws Failure.
 ///
 /// path     of the recording
 /// instant  since 1970

@@ -42,7 +42,7 @@ class RepeatedQuestion {
 
  private:
   void take_answers(const Answers& answers, const Until& until) {
-    // Of several shards there is no version.
+    // Answers of several shards have no version.
     const bool same_world =
         asked_count_++ > 0 && answers.epoch != 0 && answers.version == version_ && answers.epoch == epoch_;
     version_ = answers.version;
@@ -66,7 +66,7 @@ class RepeatedQuestion {
       else if (follows_distance() && moved(before->second.hit, hit))
         print(time, "moved", &hit, std::nullopt, UndecidedReason::none);
     }
-    // An undecided answer does not mean that what it lacks is not there.
+    // Objects missing from an undecided answer may still be there.
     if (undecided) {
       now.merge(held_);
       held_ = std::move(now);

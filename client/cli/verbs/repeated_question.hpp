@@ -16,9 +16,9 @@ struct RepeatedQuestionOptions {
   std::chrono::nanoseconds every = std::chrono::milliseconds(10);
 };
 
-/// Asks one question again and again and prints what changes: an object that enters or leaves the answer, a distance
-/// that changes (rays and near), an answer that becomes undecided or decided. Answers about one version of the world
-/// are not compared. Ends with a summary after `most_changes`, after `most_time`, or on Ctrl-C.
+/// Asks one question repeatedly and prints changes: an object that enters or leaves the answer, a distance that changes
+/// (rays and near), an answer that becomes undecided or decided. Answers about one version of the world are not
+/// compared. Ends with a summary after `most_changes`, after `most_time`, or on Ctrl-C.
 Exit run_repeated(Session& session, const Globals& globals, const Questions& question,
                   const RepeatedQuestionOptions& options);
 

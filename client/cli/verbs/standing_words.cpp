@@ -36,7 +36,7 @@ Prism prism_of(const std::vector<double>& numbers) {
   return prism;
 }
 
-/// Puts what words such as "box 0 0 0 5 5 3" describe into the region.
+/// Sets the region's shape from words such as "box 0 0 0 5 5 3".
 void set_shape(const std::vector<std::string>& words, const MeshReading& reading, const Io& io, Region& region) {
   const std::string& kind = words.front();
   if (is_mesh_kind(kind)) {

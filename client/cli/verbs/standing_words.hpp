@@ -14,15 +14,15 @@ class App;
 
 namespace collided::cli {
 
-/// How `add` reads what a standing question of one form asks.
+/// How `add` reads a standing question of one form.
 class StandingWords {
  public:
   virtual ~StandingWords() = default;
-  /// Declares the options that this form alone has.
+  /// Declares the options of this form alone.
   virtual void declare(CLI::App& app) = 0;
-  /// Puts what the words ask into the question, and of bands and the nearest which objects it looks at. Throws Failure.
+  /// Sets the question from the words, including the monitored objects for bands and the nearest. Throws Failure.
   ///
-  /// words  all of the verb: "add", the name, and what follows
+  /// words  all of the verb: "add", the name, and the rest
   virtual void read(const std::vector<std::string>& words, const Io& io, Standing& standing) const = 0;
 };
 
@@ -30,7 +30,7 @@ class StandingWords {
 std::unique_ptr<StandingWords> region_words();
 /// "add close 'drone*' 'person*' 5m,2m,50cm"
 std::unique_ptr<StandingWords> bands_words();
-/// "add escape 'door_*' person_7 20m", or a point in place of the object
+/// "add escape 'door_*' person_7 20m", or a point instead of the object
 std::unique_ptr<StandingWords> nearest_words();
 
 }  // namespace collided::cli

@@ -27,7 +27,7 @@ bool all_zero(const std::vector<double>& numbers) {
   return std::all_of(numbers.begin(), numbers.end(), [](double number) { return number == 0; });
 }
 
-/// Radius and length of a shape between two points, where these lie on z at the same height above and below the origin;
+/// Radius and length of a shape between two points, if these lie on z at the same height above and below the origin;
 /// else nothing. `low` comes first in a capsule and a cylinder, last in a cone.
 std::string upright_words(const nlohmann::json& shape, const char* low, const char* high) {
   const std::vector<double> a = numbers_of(shape, low);
@@ -37,7 +37,7 @@ std::string upright_words(const nlohmann::json& shape, const char* low, const ch
   return upright ? joined({number_of(shape, "radius_m"), 2 * b[2]}) : std::string();
 }
 
-/// Full lengths of a box or an ellipsoid, where it lies straight about the origin; else nothing.
+/// Full lengths of a box or an ellipsoid, if it is centred at the origin along the axes; else nothing.
 std::string straight_words(const nlohmann::json& shape) {
   std::vector<double> size = numbers_of(shape, "half_m");
   const std::vector<double> turn = numbers_of(shape, "rotation");
@@ -47,8 +47,8 @@ std::string straight_words(const nlohmann::json& shape) {
   return joined(size);
 }
 
-/// The words of `add` for a shape, such as "box 0.4 0.4 0.4"; empty where `add` cannot make it. It can where the shape
-/// is one of those that need no file, about its own origin.
+/// The words of `add` for a shape, such as "box 0.4 0.4 0.4"; empty if `add` cannot make it. It can if the shape needs
+/// no file and is centred at its own origin.
 std::string shape_words(const nlohmann::json& shape) {
   if (!shape.is_array() || shape.size() != 1 || !shape[0].is_object() || shape[0].empty()) return {};
   const std::string kind = shape[0].begin().key();
@@ -73,12 +73,12 @@ std::string add_line(const nlohmann::json& object) {
   if (count_of(object, "layers") != 1) line += fmt::format(" --layers {:#x}", count_of(object, "layers"));
   if (count_of(object, "mask") != 0xffffffff) line += fmt::format(" --mask {:#x}", count_of(object, "mask"));
   if (count_of(object, "group") != 0) line += fmt::format(" --group {}", count_of(object, "group"));
-  const bool is_plane = shape.starts_with("plane");  // which never moves
+  const bool is_plane = shape.starts_with("plane");  // it never moves
   if (!flag_of(object, "moving") && !is_plane) line += " --static";
   return line;
 }
 
-/// The path as one would type it here: relative where the file lies below this folder.
+/// The path as one would type it here: relative if the file lies below this folder.
 std::string typed_path(const std::string& path) {
   std::error_code error;
   const std::filesystem::path here = std::filesystem::current_path(error);
@@ -114,7 +114,7 @@ std::string load_line(const std::string& scene, const nlohmann::json& arguments)
   return line;
 }
 
-/// Adds the lines that load scenes again, and counts those that have none.
+/// Adds the lines that load scenes again, and counts scenes without one.
 void add_load_lines(Session& session, const Globals& globals, const std::function<bool(const std::string&)>& is_wanted,
                     std::string_view options, Undo& undo) {
   const nlohmann::json answer = server_command(session, globals, wire::kPlan, nlohmann::json::object());

@@ -22,7 +22,7 @@ namespace {
 constexpr std::uint32_t kMostPairs = 10'000;
 constexpr std::uint32_t kMostCertificates = 1'000;
 
-/// What clearance and clash have in common: the options, and how pairs are printed.
+/// The common part of clearance and clash: the options, and how pairs are printed.
 class GroupCommand : public Command {
  public:
   void declare(CLI::App& app) override {
@@ -75,7 +75,7 @@ class GroupCommand : public Command {
     return exit_of(answer);
   }
 
-  /// Asks a server of its own, which reads the file and ends with the answer: the other one's world stays as it is.
+  /// Asks a separate server, which reads the file and ends with the answer: the running server's world is unchanged.
   Exit ask_file(Session& session, const Globals& globals, const std::string& file, ClearanceOptions& options) {
     std::vector<std::string> words = reading_words();
     words.push_back(std::filesystem::absolute(file).string());
@@ -86,9 +86,9 @@ class GroupCommand : public Command {
 
   virtual void declare_own(CLI::App& app) = 0;
   virtual std::string nearer_help() const = 0;
-  /// Sets the options of its own; returns the first group.
+  /// Sets its own options; returns the first group.
   virtual std::string adjust(ClearanceOptions& options) = 0;
-  /// The file that the group names instead; empty: it names objects.
+  /// The file that the group names; empty: it names objects.
   virtual std::string file_in(const std::string&) const { return {}; }
   virtual std::vector<std::string> reading_words() const { return {}; }
   bool has_nearer() const { return nearer_m_.has_value(); }
@@ -211,7 +211,7 @@ class ClashCommand : public GroupCommand {
     options.most = most_told(count_);
     return of_;
   }
-  /// A file is named with its ending, as no scene is.
+  /// A file is named with its extension, unlike a scene.
   std::string file_in(const std::string& group) const override {
     std::error_code failed;
     const std::filesystem::path path(group);

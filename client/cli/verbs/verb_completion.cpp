@@ -57,7 +57,7 @@ class CompletionCommand : public Command {
   std::string shell_;
 };
 
-/// Prints the completions of the last word, one a line; none where it may be a file.
+/// Prints the completions of the last word, one a line; none if it may be a file.
 class CompleteCommand : public PassOn {
  public:
   void declare(CLI::App&) override {}
@@ -82,7 +82,7 @@ class CompleteCommand : public PassOn {
   }
 
  private:
-  /// What may stand as that word after the verb of the command (null: there is no verb yet).
+  /// Candidates for that word after the verb of the command (null: there is no verb yet).
   std::vector<std::string> candidates(Session& session, const Globals& globals, Command* command, std::size_t place,
                                       const std::string& typed) const {
     if (command == nullptr) return verb_names();
@@ -98,7 +98,7 @@ class CompleteCommand : public PassOn {
     return value.find('|') == std::string::npos ? std::vector<std::string>() : CLI::detail::split(value, '|');
   }
 
-  /// The name of what the next word is, after so many of the verb's words.
+  /// The value name of the next word, after this many of the verb's words.
   std::string value_of_next(const CLI::App& app, std::size_t word_count) const {
     const CLI::Option* before = app.get_option_no_throw(words_.back());
     if (before != nullptr && !before->get_positional() && before->get_items_expected_max() > 0)

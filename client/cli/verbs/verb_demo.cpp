@@ -52,7 +52,7 @@ class DemoCommand : public Command {
     const Hit& hit = answer.hits.front();
     return fmt::format("{} {} at {:.3g} m", what, printable(hit.object), hit.distance_m);
   }
-  /// What another terminal must set to reach this server; nothing for the usual one.
+  /// The variables that another terminal must set to reach this server; nothing for the default one.
   static std::string environment_line(const ConnectOptions& where) {
     std::string line;
     if (where.domain != 0) line += fmt::format(" COLLIDED_DOMAIN={}", where.domain);

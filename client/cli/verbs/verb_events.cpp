@@ -50,7 +50,7 @@ class EventsCommand : public Command {
   }
 
  private:
-  /// recorded  what is said of the whole recording
+  /// recorded  the summary of the whole recording
   template <class Recorded, class OneEvent, class Line, class ToRecord>
   Exit print(Session& session, const Globals& globals, const Recorded& recorded, const std::vector<OneEvent>& events,
              const std::vector<std::string>& usual_fields, const Line& line, const ToRecord& record) const {

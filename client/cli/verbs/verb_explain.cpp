@@ -31,14 +31,14 @@ Exit exit_by(Verdict verdict) {
   return verdict == Verdict::hit ? Exit::yes : Exit::no;
 }
 
-/// Of a recording: how far back two paths are looked at, and what comes before the instant of a ray.
+/// For a recording: how far back two paths are examined, and the interval before the instant of a ray.
 constexpr std::chrono::seconds kLastOfRecording{5};
 constexpr std::chrono::seconds kBeforeRay{2};
 
 constexpr const char* kForms =
     "collide explain pair A B, ray X Y Z DX DY DZ, fence NAME, nearest NAME, or event SEQ (of contacts; --of standing)";
 
-/// Explains a pair, a ray, a region, a question for the nearest or an event, as the first word says.
+/// Explains a pair, a ray, a region, a question for the nearest or an event, selected by the first word.
 class ExplainCommand : public Command {
  public:
   void declare(CLI::App& app) override {
@@ -106,7 +106,7 @@ class ExplainCommand : public Command {
     return exit_by(told.verdict);
   }
 
-  /// what  what people call it; the name alone decides which one is explained
+  /// what  its kind for people; the name alone decides which one is explained
   Exit explain_standing(Session& session, const Globals& globals, std::string_view what) {
     refuse_others({&last_, &to_, &length_, &only_, &skip_, &mask_, &of_}, what);
     if (words_.size() != 2) throw bad_use(fmt::format("which {}?", what == "fence" ? what : "question"), kForms);
@@ -187,9 +187,9 @@ class ExplainCommand : public Command {
     if (const std::string text = wire_contract::text_of(asked); !text.empty()) arguments["as_of"] = text;
   }
 
-  /// Of the running server, or of the recording.
+  /// Asks the running server, or the recording.
   ///
-  /// names  of objects that must be there; empty ones are none
+  /// names  of objects that must exist; empty ones are ignored
   /// lead   how much of a recording is replayed
   nlohmann::json ask(Session& session, const Globals& globals, nlohmann::json arguments,
                      const std::vector<std::string>& names, std::chrono::nanoseconds lead) const {
@@ -207,13 +207,13 @@ class ExplainCommand : public Command {
 
   nlohmann::json ask_server(Session& session, const Globals& globals, nlohmann::json arguments,
                             const std::vector<std::string>& names) const {
-    // The search ends before this side stops waiting for it.
+    // The search ends before this side stops waiting.
     constexpr std::chrono::seconds kPatience{10};
     arguments["deadline_ns"] = deadline_.value_or(timeout_of(globals, kPatience) * 9 / 10).count();
     try {
       return server_command(session, globals, wire_contract::command::kExplain, arguments);
     } catch (const Failure&) {
-      // An object that is not there now may have been at another instant.
+      // An object that does not exist now may have existed at another instant.
       for (const std::string& name : world_.as_of.empty() ? names : std::vector<std::string>()) {
         if (name.empty()) continue;
         if (const auto unknown = unknown_object(session, globals, name)) throw Failure(*unknown);

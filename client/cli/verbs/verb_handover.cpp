@@ -44,7 +44,7 @@ class HandoverCommand : public Command {
  private:
   static constexpr int kMostLooks = 6;  // each takes as long as listening does
 
-  /// Who is to take the place. Where that one was quicker than the answer it is as it was asked for.
+  /// The server that will take over. If it was quicker than the answer, the state is as requested.
   std::string asked(Session& session, const Globals& globals, bool was_there) const {
     try {
       return text_of(server_command(session, globals, wire_contract::command::kHandOver, {{"to", to_}}), "to");
@@ -53,7 +53,7 @@ class HandoverCommand : public Command {
       return to_;
     }
   }
-  /// Nothing while there is none, or there are two.
+  /// Nothing while there is no primary, or two.
   static std::optional<FleetMember> primary(Session& session, const Globals& globals) {
     const Result<Fleet> found = fleet(connect_options(session.io, globals));
     if (!found) return std::nullopt;

@@ -105,7 +105,7 @@ std::string words_of(const SecondOpinion& opinion) {
                             : "apart (" + opinion.why + ")";
 }
 
-/// The other library's answer, with the server's own beside it where they differ.
+/// The other library's answer, with the server's own next to it if they differ.
 std::string opinion_line(const Printer& printer, const PairAnswer& pair) {
   const SecondOpinion& opinion = *pair.opinion;
   const bool differs = opinion.verdict == OpinionVerdict::differ;

@@ -83,7 +83,7 @@ class ProbeCommand : public Command {
     return Exit::yes;
   }
 
-  /// A probe may wait for its object, but a name that nothing has may be a mistake.
+  /// A probe may wait for its object, but an unknown name may be a mistake.
   void hint_at_unknown_object(Session& session, const Globals& globals) const {
     if (globals.quiet) return;
     try {

@@ -20,7 +20,7 @@ namespace {
 
 enum class Kind { poses, recording, robot, spheres, path, voxels };
 
-/// An option that only some kinds of publisher have: its text as written, and those kinds.
+/// An option of only some kinds of publisher: its text as written, and those kinds.
 struct Setting {
   const char* name;
   std::string_view value;  // its name in the help; empty: a flag
@@ -196,7 +196,7 @@ class PublishCommand : public Command {
     return make_robot_source(io, options);
   }
 
-  /// Without an end of its own the scan stays: a scan that goes at once is of no use.
+  /// Without an end of its own the scan stays: a scan that is removed at once is useless.
   std::unique_ptr<MotionSource> voxels(const Io& io, PublishLoopOptions& loop) {
     loop.stay = loop.stay || !given("--steps");
     VoxelSourceOptions options{.path = file_, .name = given("--name") ? text("--name") : stem_of(file_)};

@@ -16,7 +16,7 @@
 namespace collided::cli {
 namespace {
 
-/// What users call the standing questions of a form.
+/// The user's name for the standing questions of a form.
 struct CalledForm {
   StandingForm form;
   std::string verb;
@@ -66,7 +66,7 @@ class StandingCommand : public Command {
                                 counted(added.parts, "part"), added.parts == 1 ? "matches" : "match",
                                 added.parts == 1 ? "has" : "have"));
     }
-    // One that is not kept goes with the process, so the process stays and prints its events.
+    // A question that is not kept is removed with the process, so the process stays and prints its events.
     if (!is_kept_ && !session.has_many_verbs) {
       only_ = skip_ = {};
       print_hint(session.io, globals,
@@ -106,7 +106,7 @@ class StandingCommand : public Command {
 
   /// Prints events until the end, or Ctrl-C. Exit::no: none came.
   ///
-  /// glob  of names of questions or objects; empty: as --only says
+  /// glob  of names of questions or objects; empty: as in --only
   Exit follow(Session& session, const Globals& globals, const std::string& glob) {
     StandingWatch watch = take(session.client(globals).watch_standing(
         {.only = glob.empty() ? only_ : glob, .skip = skip_, .form = called_.form}));

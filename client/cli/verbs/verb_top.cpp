@@ -49,7 +49,7 @@ Exit print_steps(Session& session, const Globals& globals, std::uint64_t last) {
   return steps.empty() ? Exit::no : Exit::yes;
 }
 
-/// Switches the terminal to its alternate screen. The destructor restores what was shown before.
+/// Switches the terminal to its alternate screen. The destructor restores the previous one.
 class Screen {
  public:
   explicit Screen(const Io& io) : io_(io) { io_.out << "\x1b[?1049h\x1b[?25l"; }
@@ -70,7 +70,7 @@ class Screen {
   const Io& io_;
 };
 
-/// What the screen shows, and what came before.
+/// The content of the screen, and its history.
 struct LiveTop {
   std::optional<Look> newest;
   TopHistory history;
@@ -140,7 +140,7 @@ class TopCommand : public Command {
     return text ? view::parse_figures(*text) : std::nullopt;
   }
 
-  /// What the server has done since the last look; nothing while it is silent.
+  /// The server's activity since the last look; nothing while it is silent.
   std::optional<Look> look(Session& session, const Globals& globals) {
     const std::optional<Figures> now = ask(session, globals);
     if (!now) return std::nullopt;
@@ -178,7 +178,7 @@ class TopCommand : public Command {
       if (until.reached(++count)) break;
     }
     screen.reset();
-    // A page that ends by its count leaves its last figures; one that is left by a key was read.
+    // A page that ends by its count leaves its last figures; one that ends by a key was already read.
     if (until.reached(count) && !stop_requested) {
       for (const std::string& line : top.lines(terminal_width(session.io), 0))
         session.io.out << wire_contract::terminal_text(line, true) << '\n';
@@ -187,7 +187,7 @@ class TopCommand : public Command {
     return stop_requested ? Exit::interrupted : Exit::yes;
   }
 
-  /// Waits, and does at once what keys ask for. False where the page should end: on a key, on Ctrl-C, or at its time.
+  /// Waits, and carries out keys at once. False if the page should end: on a key, on Ctrl-C, or at its time.
   static bool wait_and_obey(Session& session, Keys& keys, const Until& until, std::chrono::nanoseconds wait,
                             LiveTop& top, Screen& screen) {
     constexpr std::chrono::milliseconds kCheck{50};

@@ -29,7 +29,7 @@ class Template {
     fill(Event{}, [](std::string_view, const Value&) { return std::string(); });
   }
 
-  /// Every {name} replaced by what `show` makes of its value; throws Failure for unknown names.
+  /// The text with every {name} replaced by the result of `show` for its value; throws Failure for unknown names.
   template <class Show>
   std::string fill(const Event& event, const Show& show) const {
     const Record record = event_record(event);
@@ -156,14 +156,14 @@ class WatchCommand : public Command {
     else printer.record(event_record(event));
   }
 
-  /// How long ago an event's contact began, where the world's clock is this machine's.
+  /// How long ago an event's contact began, if the world's clock is this machine's.
   static std::string age_of(const Event& event) {
     const auto age = wire_contract::since_1970() - happened(event);
     const bool one_clock = age >= std::chrono::seconds(0) && age < std::chrono::hours(1);
     return one_clock && event.kind == EventKind::began ? "  age " + format_duration(age) : std::string();
   }
 
-  /// Prints the contact points of the two objects as they are now; they may have moved on or separated.
+  /// Prints the contact points of the two objects now; they may have moved or separated.
   static void print_manifold(Session& session, const Globals& globals, Printer& printer, const Event& event) {
     const Result<PairAnswer> pair = session.client(globals).pair(event.a, event.b);
     if (!pair) return;
@@ -189,7 +189,7 @@ class WatchCommand : public Command {
     return wire_contract::since_1970() + time.offset;
   }
 
-  /// Reports what became of the events to be posted, and whether all of them were.
+  /// Reports the outcome of posting the events, and whether all succeeded.
   Exit report_posts(Session& session, const Globals& globals) {
     if (!poster_) return Exit::yes;
     const EventPoster::PostCounts counts = poster_->finish(kPostsEnd);

@@ -16,7 +16,7 @@
 namespace collided::cli {
 namespace {
 
-/// Of one request, which is answered on one state.
+/// In one request, which is answered on one state.
 constexpr std::size_t kMostAtOnce = 100'000;
 
 std::string_view word_of_verdict(Verdict verdict) {
@@ -131,7 +131,7 @@ class WhatIfCommand : public Command {
     options_.timeout = timeout_of(globals, std::chrono::seconds(60));
   }
 
-  /// Reads up to one request; false: there was nothing left.
+  /// Reads up to one request; false: nothing was left.
   template <class Reader>
   bool read_some(Session& session, Reader& reader) {
     ids_.clear();
@@ -173,7 +173,7 @@ class WhatIfCommand : public Command {
     }
   }
 
-  /// Without --clearance a pair has its names alone.
+  /// Without --clearance a pair has only its names.
   bool has_numbers(const ConfigurationAnswer& answer) const { return answer.nearest && options_.with_clearance; }
 
   void print_row(Printer& printer, const std::string& id, const ConfigurationAnswer& answer) const {

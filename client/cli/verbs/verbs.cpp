@@ -29,7 +29,7 @@ class VersionCommand : public Command {
   bool ask_server_ = false;
 };
 
-/// For its help: the lines are run where the command line is (run.cpp).
+/// For its help: the lines are run in run.cpp.
 class ShellCommand : public Command {
  public:
   void declare(CLI::App&) override {}

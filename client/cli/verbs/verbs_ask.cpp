@@ -16,7 +16,7 @@ namespace collided::cli {
 
 namespace {
 
-/// What the verbs of the four questions have in common: one question from the words, a batch from a file, or a question
+/// The common part of the verbs of the four questions: one question from the words, a batch from a file, or a question
 /// asked repeatedly.
 class AskCommand : public Command {
  public:
@@ -60,7 +60,7 @@ class AskCommand : public Command {
  protected:
   virtual void declare_own(CLI::App& app) = 0;
   virtual void adjust(AskOptions&) {}
-  /// A warning where what is written is surely not meant; else empty.
+  /// A warning if the input is probably a mistake; else empty.
   virtual std::string warning() const { return {}; }
   /// The numbers of the question from words_ and the verb's own options.
   virtual Numbers numbers() const = 0;

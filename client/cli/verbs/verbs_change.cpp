@@ -28,8 +28,8 @@ namespace {
 
 namespace wire = wire_contract::command;
 
-/// Warns where what the server did is lost when the server ends, and adds that to the record. Of a server that keeps nothing at
-/// all `status` and `plan` say so: a warning with every command would be read by nobody.
+/// Warns if a change is lost when the server ends, and adds that to the record. If the server keeps nothing at all,
+/// `status` and `plan` report it: a warning with every command would not be read.
 void tell_not_kept(Session& session, const nlohmann::json& answer, Record& record) {
   const std::string why = text_of(answer, "not_kept");
   if (why.empty()) return;
@@ -43,7 +43,7 @@ void print_done(Session& session, const Globals& globals, const nlohmann::json& 
                 const std::string& line) {
   tell_not_kept(session, answer, record);
   Printer printer = make_printer(session.io, globals);
-  // For people the line is no data, so -q leaves it out.
+  // For people the line is not data, so -q omits it.
   if (!printer.human()) printer.record(record);
   else if (!globals.quiet) printer.line(line);
   printer.finish();
@@ -316,8 +316,8 @@ class LoadCommand : public Command {
     return box;
   }
 
-  /// Loads a file, with a progress bar. A server that is another user, or has folders of its own such as a service's
-  /// /tmp, may not see what this side sees.
+  /// Loads a file, with a progress bar. A server of another user, or with folders of its own such as a service's /tmp,
+  /// may not see this side's files.
   nlohmann::json load(Session& session, const Globals& globals, const nlohmann::json& arguments) const {
     Progress progress(session.io, globals);
     try {

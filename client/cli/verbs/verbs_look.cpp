@@ -21,7 +21,7 @@ std::string json_text(const nlohmann::json& value) {
   return value.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
 }
 
-/// Prints them in a line; nothing for a server of an older version, which does not list them.
+/// Prints the wings in a line; nothing for a server of an older version, which does not list them.
 void print_wings(Printer& printer, const char* head, const std::vector<Wing>& wings) {
   std::string names;
   for (const Wing& wing : wings)
@@ -64,7 +64,7 @@ class StatusCommand : public Command {
   }
 
  private:
-  /// The space that is covered; null where none was stated, or where the server does not answer.
+  /// The covered space; null if none was stated, or if the server does not answer.
   static nlohmann::json covers_of(Client& client) {
     const Result<std::string> answer = client.command(wire::kCovers, "{}", {}, std::chrono::milliseconds(500));
     const nlohmann::json parsed = answer ? nlohmann::json::parse(*answer, nullptr, false) : nlohmann::json();
@@ -72,7 +72,7 @@ class StatusCommand : public Command {
     return is_stated ? parsed["covers"] : nlohmann::json();
   }
 
-  /// What of the time before a crash is missing and must be accepted.
+  /// What is missing since a crash and must be accepted.
   static void print_losses(Printer& printer, Client& client) {
     const Result<std::string> answer =
         client.command(wire::kAcceptLoss, R"({"show": true})", {}, std::chrono::milliseconds(500));
@@ -81,7 +81,7 @@ class StatusCommand : public Command {
       printer.line(printer.paint(Paint::doubt, "missing: " + printable(loss) + " (collide accept-loss)"));
   }
 
-  /// Nothing where the server does not answer.
+  /// Nothing if the server does not answer.
   static std::optional<Figures> figures_of(Client& client) {
     const Result<std::string> answer = client.command(wire::kFigures, "{}", {}, std::chrono::milliseconds(500));
     return answer ? view::parse_figures(*answer) : std::nullopt;

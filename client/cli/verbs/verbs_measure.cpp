@@ -20,7 +20,7 @@ namespace {
 
 namespace wire = wire_contract::command;
 
-/// The counts of FCL's opinions, such as "298 agree, 1 differ"; empty where FCL was not asked.
+/// The counts of FCL's opinions, such as "298 agree, 1 differ"; empty if FCL was not asked.
 std::string words_of(const OpinionCounts& counts) {
   std::string words;
   visit_fields<OpinionCounts>([&](const auto& verdict) {

@@ -81,7 +81,7 @@ class DrawCommand : public Command {
     if (options.clearance) measure(client, shown, ask_, *options.clearance);
     if (!no_contacts_ && !term_) options.contacts = contacts(client, shown, session, globals);
     if (!no_fences_) options.standing = standing_marks(client, shown, session, globals);
-    draw::Rays rays(client, ask_);  // the objects that are drawn are also those that hide others
+    draw::Rays rays(client, ask_);  // drawn objects also hide others
     try {
       options.ray_marks = ray_marks(rays, rays_to_draw, shown);
       const draw::Drawing drawing = draw::draw(shown, options, rays);
@@ -114,7 +114,7 @@ class DrawCommand : public Command {
     if (!light_.empty()) options.toward_light = parse_vector(light_);
     if (options.toward_light && options.toward_light->isZero(0)) throw bad_use("--light 0 0 0 has no direction");
     if (!clearance_.empty()) options.clearance = ramp();
-    // Dots stand farther apart than pixels.
+    // Dots are farther apart than pixels.
     if (term_) options.sight.spacing_px = 0.5;
     return options;
   }
@@ -173,7 +173,7 @@ class DrawCommand : public Command {
     return marks;
   }
 
-  /// Regions in the world, the regions and bands of objects that are drawn, and lines to what is nearest.
+  /// Regions in the world, the regions and bands of drawn objects, and lines to the nearest.
   static std::vector<draw::StandingMark> standing_marks(Client& client, const ShownObjects& shown, Session& session,
                                                         const Globals& globals) {
     std::vector<draw::StandingMark> marks;
@@ -264,7 +264,7 @@ class DrawCommand : public Command {
                                                   [](const draw::CircleMark& r) { return r.ink.name == "ray-hit"; }));
   }
 
-  /// The whole path, so that the file is found from any folder.
+  /// The absolute path, so that the file is found from any folder.
   std::string written_to() const { return std::filesystem::absolute(out_).lexically_normal().string(); }
 
   std::string out_;

@@ -79,7 +79,7 @@ std::vector<HeldObject> listed(const HeldByName& held) {
   return objects;
 }
 
-/// What is not called so yet: "west_1" of "west".
+/// Unused names: "west_1" for "west".
 std::vector<std::string> new_names(const std::string& stem, std::size_t count, const ShardMap* taken) {
   std::vector<std::string> names;
   for (std::size_t number = 1; names.size() < count; ++number) {
@@ -131,7 +131,7 @@ ShardPlan plan_of_shards(Session& session, const Globals& globals, const FleetPl
     Globals of_shard = globals;
     of_shard.name_space = shards::shard_namespace(connect_options(session.io, globals).name_space, map.at(place).name);
     of_shard.shards.clear();
-    // One connection after the other: a session has one.
+    // One connection after the other: a session has only one.
     Session alone(session.io, session.own);
     add_objects(alone, of_shard, held);
   }
@@ -177,7 +177,7 @@ void print_summary(Session& session, const Globals& globals, const ShardPlan& pl
                          counted(plan.objects, "object")));
 }
 
-/// What is to succeed a map in etcd is a proposal until then, so a newer one takes its place.
+/// The successor of a map in etcd is only a proposal at first, so a newer one replaces it.
 void write_proposal(Session& session, const Globals& globals, const std::string& target, const ShardMap& map) {
   const auto patience = connect_options(session.io, globals).wait;
   std::int64_t in_place_of = 0;

@@ -6,11 +6,11 @@
 
 namespace collided::cli {
 
-/// The options of `fleet plan`, as they were written.
+/// The options of `fleet plan`, as written.
 struct FleetPlanOptions {
   std::string into;    // how many boxes
   std::string margin;  // of a new map
-  std::string by;      // what counts as load
+  std::string by;      // the measure of load
   std::string split;   // of the shards of --shards
   std::string out;     // file or address of the map
 };

@@ -11,7 +11,7 @@ namespace collided::cli {
 /// The options of `fleet publish`.
 struct FleetPublishOptions {
   std::string to;                         // address in etcd
-  std::optional<std::uint64_t> revision;  // of the map there whose place it takes
+  std::optional<std::uint64_t> revision;  // of the map there that it replaces
 };
 
 /// Writes the map of --shards to etcd.

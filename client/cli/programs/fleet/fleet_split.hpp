@@ -11,11 +11,11 @@ namespace collided::cli {
 /// The options of `fleet split`.
 struct FleetSplitOptions {
   std::string to;                                    // the next map: a file or an address
-  std::optional<std::chrono::nanoseconds> patience;  // how long the new shards may take
+  std::optional<std::chrono::nanoseconds> patience;  // time limit for the new shards
   bool undo = false;
 };
 
-/// Splits a shard of the map of --shards, or takes a split back.
+/// Splits a shard of the map of --shards, or reverts a split.
 Exit split_shards(Session& session, const Globals& globals, const FleetSplitOptions& options);
 
 }  // namespace collided::cli

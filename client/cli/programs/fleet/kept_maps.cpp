@@ -15,7 +15,7 @@ using shards::KeptShardMap;
 using shards::ShardMap;
 using shards::ShardMapStore;
 
-/// What call() returns; what etcd or a map has against it is a Failure.
+/// The result of call(); an error of etcd or of a map becomes a Failure.
 template <class Call>
 auto or_failure(const Call& call) {
   try {

@@ -25,19 +25,19 @@ std::uint64_t load_of(const HeldObject& object, LoadMeasure measure) {
   return 0;
 }
 
-/// A plane across an axis, with what would be held on either side.
+/// A plane across an axis, with the load on either side.
 struct CutPlane {
   std::size_t axis = 0;
   double at = 0;
   std::uint64_t low_load = 0;
   std::uint64_t high_load = 0;
-  double gap_m = 0;  // the plane may lie anywhere in it without a change
+  double gap_m = 0;  // the plane may be moved within it without a change
 
-  /// Better ones come first: even, then few on both sides, then far from everything, then the first axis.
+  /// Order of preference: even, then few on both sides, then far from everything, then the first axis.
   auto order() const { return std::tuple(std::max(low_load, high_load), low_load + high_load, -gap_m, axis, at); }
 };
 
-/// A number of few digits from the middle half between two.
+/// A number with few digits in the middle half between two.
 double round_between(double low, double high) {
   const double middle = low + (high - low) / 2;
   const double quarter = (high - low) / 4;
@@ -50,14 +50,14 @@ double round_between(double low, double high) {
   return middle;
 }
 
-/// Where an object begins, or ends, to be held on a side of a plane that goes up an axis.
+/// Where an object begins, or ends, to be held as a plane moves up an axis.
 struct BoxSide {
   double at = 0;
   std::uint64_t load = 0;
 };
 
-/// The best plane across one axis. At a plane p the low side holds what begins at p + margin or below, the high side what
-/// ends at p - margin or above; between two such places nothing changes.
+/// The best plane across one axis. At a plane p the low side holds objects that begin at p + margin or below, the high
+/// side those that end at p - margin or above; between two such places nothing changes.
 std::optional<CutPlane> best_across(std::size_t axis, const ShardBox& box, double margin_m,
                                     std::span<const HeldObject* const> objects, LoadMeasure measure) {
   std::vector<BoxSide> begins;
@@ -91,7 +91,7 @@ std::optional<CutPlane> best_across(std::size_t axis, const ShardBox& box, doubl
   return best;
 }
 
-/// A box on its way, with all that it would hold.
+/// An intermediate box, with everything that it would hold.
 struct PlannedBox {
   ShardBox box;
   std::vector<const HeldObject*> objects;

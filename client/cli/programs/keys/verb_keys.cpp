@@ -34,7 +34,7 @@ std::string_view finding_name(keys::KeyFinding::Kind kind) {
   return "wrong";
 }
 
-/// The two words that follow the verb: what is to be done, and with which name or folder.
+/// The two words that follow the verb: an action, and a name or folder.
 class KeysCommand : public Command {
  public:
   void declare(CLI::App& app) override {

@@ -19,26 +19,26 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds kRosWait{20};         // a publisher must speak more often than its lease of 500 ms
-constexpr std::chrono::milliseconds kRosFind{500};        // from one look for new objects to the next
-constexpr std::chrono::milliseconds kRosShowAgain{1000};  // the same, where nothing changes: for readers that come late
+constexpr std::chrono::milliseconds kRosWait{20};         // a publisher must send more often than its lease of 500 ms
+constexpr std::chrono::milliseconds kRosFind{500};        // from one search for new objects to the next
+constexpr std::chrono::milliseconds kRosShowAgain{1000};  // the same, if nothing changes: for late readers
 constexpr std::chrono::milliseconds kRosShow{100};        // from one message of contacts to the next
-constexpr std::chrono::milliseconds kRosRefused{5000};    // from one look for refused publishers to the next
+constexpr std::chrono::milliseconds kRosRefused{5000};    // from one check for refused publishers to the next
 constexpr std::chrono::milliseconds kRosTell{1000};       // from one message of diagnostics to the next
 constexpr std::size_t kRosMostContacts = 10'000;          // shown at a time
 
 std::int64_t ros_now_ns() { return wire_contract::since_1970_ns(); }
 
-/// The contacts that hold, as a watch tells them. One that began before somebody wanted to know where has no point yet,
-/// and is left out until one of the two moves.
+/// The open contacts, as a watch reports them. A contact that began before points were requested has none yet, and is
+/// left out until one of the two moves.
 class RosContacts {
  public:
   explicit RosContacts(Watch watch) : watch_(std::move(watch)) {}
 
-  /// Takes the events that have come; true where something has changed.
+  /// Takes the events that have come; true if something has changed.
   bool take() {
     bool has_changed = false;
-    // Where contacts go on faster than they are read, frames must have their turn all the same.
+    // Even if contacts arrive faster than they are read, frames must have their turn.
     for (std::size_t taken = 0; taken < kRosMostContacts; ++taken) {
       const std::optional<Event> event = watch_.next(std::chrono::nanoseconds(0));
       if (!event) break;
@@ -172,7 +172,7 @@ class RosCommand : public Command {
 
   std::int64_t now_ns() const { return has_clock_ ? clock_ns_ : ros_now_ns(); }
 
-  /// The one half of each TOPIC=NAME.
+  /// One half of each TOPIC=NAME.
   static std::vector<std::string> names_of(const std::vector<std::string>& texts, std::string_view option,
                                            bool is_topic) {
     std::vector<std::string> names;
@@ -231,7 +231,7 @@ class RosCommand : public Command {
         .clock = [&](std::int64_t clock_ns) { clock_ns_ = clock_ns; }};
   }
 
-  /// Each sentence once.
+  /// Prints each sentence once.
   void tell_flaws(Io& io, const std::vector<std::string>& flaws) {
     constexpr std::size_t kMostTold = 100;
     for (const std::string& flaw : flaws) {
@@ -265,7 +265,7 @@ class RosCommand : public Command {
     return told;
   }
 
-  /// What could not be taken as it came, by the names of the report.
+  /// The counts of data not accepted unchanged, by their names in the report.
   std::vector<std::pair<std::string, std::uint64_t>> troubles(ros::Bridge& bridge) const {
     const ros::BridgeCounts& counts = bridge.counts();
     const ros::CloudCounts& clouds = clouds_in_->counts();
@@ -292,7 +292,7 @@ class RosCommand : public Command {
     print_hint(io, globals, fmt::format("hears {}", counted(count, "writer")));
   }
 
-  /// Says each kind of trouble once.
+  /// Prints each kind of trouble once.
   void find(Io& io, const Globals& globals, ros::Bridge& bridge) {
     const Result<std::size_t> found = bridge.find_objects();
     if (!found && found.error().message != last_error_) {
@@ -308,8 +308,8 @@ class RosCommand : public Command {
     }
   }
 
-  /// Without this a bridge whose objects never enter the world would run like any other. It goes on: they enter once there is
-  /// room.
+  /// Without this a bridge whose objects never enter the world would look normal. It continues: they enter once there
+  /// is room.
   void look_for_refusals(Io& io, Publisher& of_frames) {
     constexpr std::chrono::milliseconds kPatience{200};
     refused_.clear();
@@ -391,7 +391,7 @@ class RosCommand : public Command {
   std::string unknown_ = "free";
   std::string clearance_;
   std::set<std::string> told_;
-  std::string refused_;  // why the server takes nothing of one of the publishers; empty: it does
+  std::string refused_;  // why the server refuses one of the publishers; empty: it does not
   std::string last_refused_;
   std::optional<ros::LiveClouds> clouds_in_;
   std::optional<ros::MarkerObjects> markers_in_;

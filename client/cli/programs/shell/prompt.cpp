@@ -11,7 +11,7 @@ namespace {
 
 constexpr int kMostRemembered = 1'000;
 
-/// The history's file, or an empty path where there is no place for it.
+/// The history's file, or an empty path if there is no place for it.
 std::filesystem::path history_file(const Io& io) {
   std::filesystem::path folder = io.env("XDG_STATE_HOME");
   if (folder.empty() && !io.env("HOME").empty()) folder = std::filesystem::path(io.env("HOME")) / ".local/state";

@@ -5,8 +5,8 @@
 
 namespace collided::cli {
 
-/// Lines that a person types at a prompt, with editing, and with a history that is kept in the user's state folder. For
-/// a terminal on standard input. One at a time in a process.
+/// Lines typed at a prompt, with editing, and with a history that is kept in the user's state folder. For a terminal on
+/// standard input. At most one in a process.
 LineSource prompted_lines(const Io& io);
 
 }  // namespace collided::cli

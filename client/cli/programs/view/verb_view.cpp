@@ -39,7 +39,8 @@ class ViewCommand : public Command {
   }
 
  private:
-  /// The options that lead another `collide` to the same server, also where this one has them from its environment.
+  /// The options that connect another `collide` to the same server, including those that this one has from its
+  /// environment.
   static std::string connection_words(const Io& io, const Globals& globals) {
     const ConnectOptions ours = connect_options(io, globals);
     const ConnectOptions usual;

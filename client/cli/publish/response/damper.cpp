@@ -42,7 +42,7 @@ double Spring::frequency(double reduced_mass_kg) const { return std::sqrt(stiffn
 double restitution_of_damping(double damping_ratio) {
   const double off = off_critical(damping_ratio);
   const double root = std::sqrt(std::abs(off));
-  // The time to the end of the contact times the damped frequency. The contact ends where the force, not the depth, is
+  // The time to the end of the contact times the damped frequency. The contact ends when the force, not the depth, is
   // 0.
   if (off > 0)
     return std::exp(-damping_ratio / root *

@@ -30,15 +30,15 @@ double damping_of_restitution(double restitution);
 /// source     any text on the damped oscillator; Magnus, Popp, "Schwingungen", 2.1
 class ContactPhase {
  public:
-  /// approach_m_s  at the start; 0 or more where the contact begins there
+  /// approach_m_s  at the start; 0 or more if the contact begins there
   /// load_n        pushes the two together (a weight); negative: apart
-  /// depth_m       at the start; 0 where the contact begins there, else the spring pushes already
+  /// depth_m       at the start; 0 if the contact begins there, else the spring already pushes
   ContactPhase(const Spring& spring, double reduced_mass_kg, double approach_m_s, double load_n, double depth_m = 0);
 
   double depth(double seconds) const;
   double depth_rate(double seconds) const;
-  /// Time until the spring lets go; infinite where the load keeps the two together. In closed form without damping,
-  /// else by bisection between the times of the largest and the least force, which are in closed form.
+  /// Time until the spring releases; infinite if the load keeps the two together. In closed form without damping, else
+  /// by bisection between the times of the largest and the least force, which are in closed form.
   double duration() const { return duration_s_; }
   /// The largest depth from the start on, also of an endless contact.
   double deepest() const;
@@ -53,7 +53,7 @@ class ContactPhase {
   double start_m_ = 0;
   double approach_m_s_ = 0;
   double rest_ = 0;    // depth at which the spring balances the load
-  double cosine_ = 0;  // y = rest + e^(-decay t) (cosine cos turn t + sine sin turn t); cosh and sinh where overdamped
+  double cosine_ = 0;  // y = rest + e^(-decay t) (cosine cos turn t + sine sin turn t); cosh and sinh if overdamped
   double sine_ = 0;
   double frequency_ = 0;
   double duration_s_ = std::numeric_limits<double>::infinity();

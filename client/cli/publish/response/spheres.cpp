@@ -92,7 +92,7 @@ bool Spheres::answer(const Pair& pair, Episode& episode, double seconds) {
     case ResponseLaw::compliant: break;
   }
   const double distance = between(pair).place_m.norm();
-  // A spring that has let go begins again at its length, or where the two are now if they are nearer.
+  // A spring that has released begins again at its length, or at the current distance if that is smaller.
   const double length_m = episode.depth_m > 0 ? distance + episode.depth_m : std::min(distance, episode.touch_m);
   return push(pair, episode, length_m, 0, seconds);
 }

@@ -28,7 +28,7 @@ double mass(const Sphere& sphere);
 
 /// The response to a contact.
 enum class ResponseLaw {
-  flip,       // reverse both velocities, as the homework says
+  flip,       // reverse both velocities, as in the homework's text
   impulse,    // Newton's restitution along the line of centres
   compliant,  // a spring and a damper
 };
@@ -37,13 +37,13 @@ enum class ResponseLaw {
 struct SphereOptions {
   ResponseLaw answer = ResponseLaw::flip;
   bool every_frame =
-      false;  // for flip: on every frame of a contact, as the homework is worded; else once for each contact
+      false;  // for flip: on every frame of a contact, as in the homework's text; else once for each contact
   double half_side_m = 0.5;    // half the side of the cube about the origin
   double restitution = 1;      // for impulse 0 to 1, for compliant kLeastDampedRestitution to 1
   double stiffness_n_m = 1e6;  // for compliant
 };
 
-/// What has happened, for reports. Energies in J and momentum in N s, with mass() as the mass.
+/// Counts and sums for reports. Energies in J and momentum in N s, with mass() as the mass.
 struct SphereLedger {
   std::uint64_t steps = 0;
   std::uint64_t contacts = 0;       // between two spheres, each episode counted once
@@ -52,21 +52,21 @@ struct SphereLedger {
   std::uint64_t longest_flips = 0;  // responses in one episode at most
   std::array<std::uint64_t, 4>
       wall_hits{};  // by the number of velocity components reversed in one step: [1] faces, [2] edges, [3] corners
-  std::uint64_t cube_contacts = 0;  // that the server reported
+  std::uint64_t cube_contacts = 0;  // reported by the server
   double penetration_m =
       0;  // the largest, of reported pairs and of walls; for springs, by how much they were compressed
-  double seen_overlap_m = 0;  // the largest overlap of reported pairs at the end of a step, which is what a viewer sees
+  double seen_overlap_m = 0;  // the largest overlap of reported pairs at the end of a step, which a viewer sees
   double energy_before = 0;
   double energy_after = 0;  // including that in springs
   Vec3 momentum_before = Vec3::Zero();
   Vec3 momentum_after = Vec3::Zero();
 
-  /// The relative change of energy; 0 where nothing moved at the start.
+  /// The relative change of energy; 0 if nothing moved at the start.
   double energy_drift() const { return energy_before > 0 ? (energy_after - energy_before) / energy_before : 0; }
 };
 
-/// What is known of a contact when it is reported; times in seconds before the spheres' newest positions. The default
-/// means that they touch now.
+/// The facts of a reported contact; times in seconds before the spheres' newest positions. The default means that they
+/// touch now.
 struct Touch {
   double earliest_s = 0;  // it began between these two times
   double latest_s = 0;
@@ -74,31 +74,32 @@ struct Touch {
   double depth_m = 0;
 };
 
-/// Moves spheres in a cube and computes their response to contacts. Which spheres touch is reported from outside, by
-/// the server. Walls are handled here: in closed form (with springs, at the exact time), so that no sphere leaves the
-/// cube however long a step is.
+/// Moves spheres in a cube and computes their response to contacts. The server reports which spheres touch. Walls are
+/// handled here: in closed form (with springs, at the exact time), so that no sphere leaves the cube however long a
+/// step is.
 ///
 /// A contact is reported when the two spheres already overlap. A spring nevertheless begins where and when they
 /// touched: at the instant, within the reported times, that the depth and the velocities indicate. The two are moved
-/// back to it, and then on from there with the contact: to deep in a soft spring, or past a stiff one. Where either has
+/// back to it, and then on from there with the contact: to deep in a soft spring, or past a stiff one. If either has
 /// met something else since, the spring begins at that time, without load, so that the overlap adds no energy.
 ///
 /// Each pair is solved for the whole step, one pair after the other (Lie's splitting). Each solution keeps its energy,
-/// so the whole does too, however many contacts a sphere has. The price is the order of events within a step: where
+/// so the whole does too, however many contacts a sphere has. The price is the order of events within a step: if
 /// another contact or a wall has moved one of the two, the spring keeps its load and its length is adapted.
 ///
-/// threads  one at a time
-/// Always: with flip, speeds never change; except with springs, every centre is at least its radius inside the walls.
+/// threads    one at a time
+/// invariant  with flip, speeds never change; except with springs, every centre is at least its radius inside the
+///            walls.
 class Spheres {
  public:
   Spheres() = default;
-  /// Throws std::invalid_argument for a restitution that the answer cannot give.
+  /// Throws std::invalid_argument for a restitution that the response cannot have.
   Spheres(const SphereOptions& options, std::vector<Sphere> spheres);
 
   const std::vector<Sphere>& spheres() const { return spheres_; }
   /// The spheres with these indexes touch.
   void contact_began(std::size_t a, std::size_t b, const Touch& touch = {});
-  /// They touch no longer. A spring that still pushes goes on until it lets go.
+  /// They no longer touch. A spring that still pushes continues until it releases.
   void contact_ended(std::size_t a, std::size_t b);
   /// A sphere was found to touch the cube. `normal` is the face's, in either direction.
   void touched_cube(std::size_t sphere, const Vec3& normal);
@@ -129,7 +130,7 @@ class Spheres {
 
   SphereOptions options_;
   std::vector<Sphere> spheres_;
-  std::map<Pair, Episode> open_;  // contacts that hold
+  std::map<Pair, Episode> open_;  // open contacts
   SphereLedger ledger_;
   Spring spring_;
   std::vector<double> free_s_;  // by sphere: for how long nothing has changed its velocity

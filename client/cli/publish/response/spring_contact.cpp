@@ -9,7 +9,7 @@
 namespace collided::response {
 namespace {
 
-/// The time in free flight until the distance has fallen to `length_m`; infinite where it never does.
+/// The time in free flight until the distance has fallen to `length_m`; infinite if it never does.
 double time_to_length(const RelativeMotion& motion, double length_m) {
   constexpr double kNever = std::numeric_limits<double>::infinity();
   const double closing = -motion.place_m.dot(motion.velocity_m_s);
@@ -25,7 +25,7 @@ double deepest_within(const ContactPhase& phase, double approach_m_s, double sec
   return turns ? phase.deepest() : std::max(phase.depth(0), phase.depth(seconds));
 }
 
-/// Moves the two through the contact, for at most `most_s`. Returns for how long it lasted.
+/// Moves the two through the contact, for at most `most_s`. Returns how long it lasted.
 double hold(const Spring& spring, double mass_kg, double length_m, RelativeMotion& motion, double most_s,
             SpringRun& run) {
   const double distance = motion.place_m.norm();
@@ -34,8 +34,7 @@ double hold(const Spring& spring, double mass_kg, double length_m, RelativeMotio
   const double rate = motion.velocity_m_s.dot(line);
   const Vec3 across = motion.velocity_m_s - rate * line;
   const double across_m_s = across.norm();
-  // Where the centres nearly meet, the line between them turns very fast; the turning is limited to that at this
-  // distance.
+  // If the centres nearly meet, the line between them turns very fast; the turning is limited to that at this distance.
   const double least_m = kLeastDistance * length_m;
   const double spun = std::max(distance, least_m) * across_m_s;  // angular momentum over mass
   const double turning_s = kMostTurn * std::max(distance, least_m) / motion.velocity_m_s.norm();
@@ -95,7 +94,7 @@ SpringRun move_on_spring(const Spring& spring, double reduced_mass_kg, double le
     left -= hold(spring, reduced_mass_kg, length_m, motion, left, run);
     holds = run.depth_m > 0;
   }
-  // After the spring has let go the two separate, so it does not touch again.
+  // After the spring has released the two separate, so it does not touch again.
   if (left > 0) motion.place_m += left * motion.velocity_m_s;
   run.free_s = run.pushed ? std::max(left, 0.0) : seconds;
   return run;
@@ -105,7 +104,7 @@ SpringRun move_between_springs(const Spring& spring, double mass_kg, double most
                                double& velocity_m_s, double seconds) {
   SpringRun run{.free_s = seconds};
   double left = seconds;
-  bool is_let_go = false;  // the spring has let go, so a force from rounding must not count as a new contact
+  bool is_let_go = false;  // the spring has released, so a force from rounding must not count as a new contact
   for (int round = 0; round < kMostBounces && left > 0; ++round) {
     double side = position_m < 0 ? -1 : 1;
     double depth = side * position_m - most_m;
@@ -126,7 +125,7 @@ SpringRun move_between_springs(const Spring& spring, double mass_kg, double most
     const double held = std::min(left, phase.duration());
     run.deepest_m = std::max(run.deepest_m, deepest_within(phase, approach, held));
     run.depth_m = held < phase.duration() ? std::max(0.0, phase.depth(held)) : 0;
-    // Without damping it lets go exactly at the wall, without a rounding to either side.
+    // Without damping it releases exactly at the wall, without a rounding to either side.
     const bool lets_go_at_wall = held == phase.duration() && spring.damping_ratio == 0;
     position_m = side * (most_m + (lets_go_at_wall ? 0 : phase.depth(held)));
     velocity_m_s = side * phase.depth_rate(held);

@@ -11,13 +11,13 @@ struct RelativeMotion {
   Vec3 velocity_m_s;
 };
 
-/// What a spring did during a time.
+/// The effect of a spring during a time.
 struct SpringRun {
   bool began = false;   // a contact began
   bool pushed = false;  // it pushed at some time
-  double depth_m = 0;   // at the end, where it still pushes
+  double depth_m = 0;   // at the end, if it still pushes
   double deepest_m = 0;
-  double free_s = 0;  // at the end: for how long it has not pushed
+  double free_s = 0;  // at the end: how long it has not pushed
 };
 
 /// Moves two bodies on for a time, with a spring of `length_m` along their line of centres: free flight until they
