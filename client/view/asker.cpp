@@ -50,7 +50,7 @@ void Asker::work() {
 
 namespace {
 
-/// Asks each kind of question. As the command line asks: a batch of one.
+/// Asks each kind of question, like the command line: a batch of one.
 struct AskServer {
   Client& client;
   ServerMemory& memory;
@@ -79,7 +79,7 @@ struct AskServer {
     return pair_answer_text(id, pair.a, pair.b, client.pair(pair.a, pair.b));
   }
   std::string operator()(const ObjectOfName& object) const { return object_answer_text(id, client.get(object.name)); }
-  /// It is asked again and again while an object is chosen, so it may not keep the server busy for long.
+  /// It is asked repeatedly while an object is chosen, so it may not keep the server busy for long.
   std::string operator()(const NearestToObject& object) const {
     ClearanceOptions options;
     options.deadline = std::chrono::milliseconds(50);

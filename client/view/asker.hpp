@@ -19,7 +19,7 @@ namespace collided::view {
 /// thread must not wait. The destructor ends them. All arguments must outlive it.
 class Asker {
  public:
-  /// Called with the answer as the page reads it, on one of the asker's threads.
+  /// Called with the answer in the page's format, on one of the asker's threads.
   using Done = std::function<void(std::string text)>;
 
   Asker(Client& client, ServerMemory& memory, const PageFeed& feed);
@@ -27,12 +27,12 @@ class Asker {
   Asker(const Asker&) = delete;
   Asker& operator=(const Asker&) = delete;
 
-  /// Queues a question; false where kMostWaiting wait already. Any thread; returns at once.
+  /// Queues a question; false if kMostWaiting already wait. Any thread; returns at once.
   bool ask(PageQuestion question, Done done);
 
  private:
   static constexpr std::size_t kMostWaiting = 64;
-  static constexpr std::size_t kThreads = 2;  // so that one slow answer does not hold up the next
+  static constexpr std::size_t kThreads = 2;  // so that one slow answer does not delay the next
   struct Job {
     PageQuestion question;
     Done done;
@@ -43,7 +43,7 @@ class Asker {
 
   Client& client_;
   ServerMemory& memory_;
-  const PageFeed& feed_;  // what stands still beside what the server remembers
+  const PageFeed& feed_;  // the static objects, in addition to the server's memory
   std::mutex mutex_;
   std::condition_variable came_;
   std::deque<Job> waiting_;

@@ -41,7 +41,7 @@ void Drawer::work() {
   }
 }
 
-/// A new drawing; null where the server does not answer, and then the last one stays.
+/// A new drawing; null if the server does not answer, and then the last one stays.
 Bytes Drawer::draw() const {
   constexpr double kCreaseCosine = 0.866;
   const Result<ShownObjects> shown = client_.shapes({.edges = true, .crease_cosine = kCreaseCosine});
@@ -51,7 +51,7 @@ Bytes Drawer::draw() const {
   if (y_is_up_) options.view.up = Vec3::UnitY();
   options.crease_cosine = kCreaseCosine;
   options.sight.spacing_px = 2;
-  // A busy server may take longer for a picture's rays than an ordinary question is given.
+  // With a busy server a picture's rays may take longer than the timeout of an ordinary question.
   draw::Rays rays(client_, {.timeout = std::chrono::seconds(10)});
   try {
     return make_bytes(as_svg(draw::draw(*shown, options, rays).picture));

@@ -61,7 +61,7 @@ void Follower::look_at_poses() {
   observer_.poses(*poses);
 }
 
-/// Fetches the objects again when there are others. Where objects come and go all the time, at most half of the time is
+/// Fetches the objects again when they have changed. If objects come and go all the time, at most half of the time is
 /// spent on that.
 void Follower::look_at_objects(const Poses& poses) {
   const bool is_known = shown_ && shown_->epoch == poses.epoch && shown_->table_version == poses.table_version;

@@ -17,7 +17,7 @@
 
 namespace collided::view {
 
-/// The interface of what shows a running server; a Follower calls it.
+/// The interface of displays of a running server; a Follower calls it.
 class Observer {
  public:
   virtual ~Observer() = default;
@@ -25,11 +25,11 @@ class Observer {
   // One thread calls these.
   virtual void objects(const std::shared_ptr<const ShownObjects>& shown) = 0;  // objects or shapes have changed
   virtual void poses(const Poses& poses) = 0;                                  // some objects have moved
-  /// recent  what the server did since the last status
+  /// recent  the server's activity since the last status
   virtual void status(const ServerStatus& status, const std::optional<Figures>& recent) = 0;
   /// The figures since the server's start, at the same time; nothing if the server did not send them.
   virtual void totals(const ServerStatus&, const std::optional<Figures>&) {}
-  /// Standing questions were added or removed, hold other objects, or have another line to what is nearest.
+  /// Standing questions were added or removed, hold other objects, or have another line to the nearest.
   virtual void standing(std::span<const draw::StandingOutline>) {}
   virtual void silent(double seconds) = 0;  // no answer for this long
 
@@ -37,14 +37,14 @@ class Observer {
   virtual void events(std::span<const Event> events) = 0;
 };
 
-/// When a server was last heard of. A busy one may publish its status seldom and still answer, or answer nothing for a while
-/// and still publish.
+/// When a server was last heard. A busy one may publish its status rarely and still answer, or answer nothing for a
+/// while and still publish.
 class LastHeard {
  public:
   using Time = std::chrono::steady_clock::time_point;
   explicit LastHeard(Time start) : newest_(start) {}
   void note(Time heard) { newest_ = std::max(newest_, heard); }
-  /// Seconds of silence; nothing while it is too short to be one.
+  /// Seconds of silence; nothing while that is too short.
   std::optional<double> silence_s(Time now) const {
     constexpr std::chrono::milliseconds kSilent{500};
     if (now - newest_ <= kSilent) return std::nullopt;

@@ -121,7 +121,7 @@ std::vector<Foxglove::Outgoing> Foxglove::subscribe(Connection from, std::string
   return answers;
 }
 
-/// A lane of a subscription's own where a newer message makes an older one useless, which may be large; else none.
+/// A lane of a subscription's own if a newer message makes an older one useless, which may be large; else none.
 std::uint8_t Foxglove::free_lane(const std::vector<Subscription>& subscriptions, Channel channel) {
   if (channel == kContacts || channel == kEvents) return 0;
   std::uint8_t lane = 1;
@@ -210,7 +210,7 @@ void Foxglove::events(std::span<const Event> events) {
   }
   const std::string contacts = contact_update(events);
   if (!contacts.empty()) publish(kContacts, events.back().world_time.count(), contacts);
-  // Of very many events at once only some are sent, since they are for people to read.
+  // If very many events come at once only some are sent, since they are for people to read.
   constexpr std::size_t kMostAtOnce = 50;
   for (const Event& event : events.subspan(events.size() - std::min(events.size(), kMostAtOnce))) {
     publish(kEvents, event.world_time.count(), event_json(event));

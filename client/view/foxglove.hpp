@@ -27,7 +27,7 @@ class Foxglove : public Observer {
   using Send = std::function<void(Connection, const WebMessage&)>;
   explicit Foxglove(Send send) : send_(std::move(send)) {}
 
-  /// The name of the protocol, if it is among those that a client offers.
+  /// The name of the protocol, if a client offers it.
   static std::optional<std::string> protocol(const std::vector<std::string>& offered);
 
   void opened(Connection client);

@@ -15,7 +15,7 @@ namespace {
 
 using nlohmann::json;
 
-/// Colours of what stands, what moves, and what touches.
+/// Colours of static, moving and touching objects.
 const json kStill{{"r", 0.78}, {"g", 0.77}, {"b", 0.74}, {"a", 1}};
 const json kMoving{{"r", 0.36}, {"g", 0.36}, {"b", 0.35}, {"a", 1}};
 const json kAccent{{"r", 0.78}, {"g", 0.27}, {"b", 0.05}, {"a", 1}};
@@ -106,7 +106,7 @@ struct SceneEntity {
   }
 };
 
-/// left  of the triangles that the scene may have; those of the object are taken off
+/// left  number of triangles that the scene may still have; those of the object are subtracted
 json entity_json(const ShownObject& object, std::chrono::nanoseconds now, const TriangleLimits& most,
                  std::uint32_t& left) {
   SceneEntity entity{.color = object.moving ? kMoving : kStill};

@@ -8,7 +8,7 @@
 
 #include "collided/geometry.hpp"
 
-/// Numbers, vectors and texts as the page reads them.
+/// Numbers, vectors and texts in the page's format.
 namespace collided::view {
 
 /// The value as text; bytes that are not UTF-8 become U+FFFD.

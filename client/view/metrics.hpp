@@ -9,14 +9,14 @@
 
 namespace collided::view {
 
-/// What a server says of itself, as Prometheus reads it (text format 0.0.4). Counts are since the server's start;
-/// durations are histograms with a bucket for each doubling, without a sum, which the server does not keep.
+/// A server's metrics in the format of Prometheus (text format 0.0.4). Counts are since the server's start; durations
+/// are histograms with a bucket for each doubling, without a sum, which the server does not keep.
 ///
-/// status   nothing: the server is silent, and `collided_up` is all there is
+/// status   nothing: the server is silent, and only `collided_up` is written
 /// figures  its answer to the command `figures`, since its start
 std::string metrics_text(const std::optional<ServerStatus>& status, const std::optional<Figures>& figures);
 
-/// The newest text, for who serves it. Threads: any.
+/// The newest text, for the page that serves it. Threads: any.
 class Metrics {
  public:
   void set(std::string text) {

@@ -35,7 +35,7 @@ void add_cost(json& text, const Answers& answers) {
   if (answers.oldest_pose_age) text["age"] = seconds(*answers.oldest_pose_age);
 }
 
-/// Why there is no one answer; empty where there is.
+/// Why there is not exactly one answer; empty if there is.
 std::string problem_of(const Result<Answers>& answers) {
   if (!answers) return answers.error().message;
   return answers->answers.size() == 1 ? "" : "the server's answer does not fit the question";

@@ -15,7 +15,7 @@
 
 namespace collided::view {
 
-/// Makes the messages for pages: changes as they come, and everything that holds for a page that connects later.
+/// Makes the messages for pages: changes as they come, and the full state for a page that connects later.
 ///
 /// threads  any; `tell` is called without a lock held
 class PageFeed : public Observer {
@@ -32,7 +32,7 @@ class PageFeed : public Observer {
 
   /// The messages for a page that has just connected.
   std::vector<WebMessage> first_words() const;
-  /// "/objects" or "/surface?number=N" of the newest table; nothing where there is no such page.
+  /// "/objects" or "/surface?number=N" of the newest table; nothing if there is no such page.
   std::optional<WebPage> page(std::string_view target) const;
   /// The newest table of objects; null before the first.
   std::shared_ptr<const ShownObjects> shown() const;

@@ -16,7 +16,7 @@ using nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little, "numbers go out as they lie in memory");
 
-/// A part as the page reads it: the number of its kind, then its numbers.
+/// A part in the page's format: the number of its kind, then its numbers.
 struct PartText {
   json operator()(const SphereShape& s) const { return text(0, s.center, s.radius_m); }
   json operator()(const BoxShape& s) const { return text(1, s.center, s.rotation, s.half_m); }

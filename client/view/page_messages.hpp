@@ -11,11 +11,10 @@
 #include "client/view/figures.hpp"
 #include "collided/client.hpp"
 
-/// The messages to the page. Texts are JSON with a "type"; bytes are little-endian, as the page reads them in
-/// page/source.js.
+/// The messages to the page. Texts are JSON with a "type"; bytes are little-endian, as read by page/source.js.
 namespace collided::view {
 
-/// An object's slot in the server's table, by which the page knows it for as long as the table stays the same.
+/// An object's slot in the server's table, by which the page knows it while the table is unchanged.
 inline std::uint32_t slot_of(std::uint64_t id) { return static_cast<std::uint32_t>(id); }
 
 /// {epoch, version, table_version, objects [{slot, name, scene, moving, stale, layers, mask,
@@ -36,15 +35,15 @@ std::string poses_bytes(const Poses& poses);
 /// {type "events", events [...], left_out}: at most `most` of them, the newest; left_out counts the others.
 std::string events_text(std::span<const Event> events, std::size_t most);
 
-/// {type "contacts", contacts [...], left_out}: the contacts that hold now, at most `most`.
+/// {type "contacts", contacts [...], left_out}: the open contacts, at most `most`.
 std::string contacts_text(std::span<const Event> contacts, std::size_t most);
 
 /// {type "status", ... as in `collide status --json`, publishers, and the rates and stages of the time since the last
 /// one}.
 std::string status_text(const ServerStatus& status, const std::optional<Figures>& recent);
 
-/// {type "standing", standing [OutlinedStanding, and of the nearest its distance (m)]}: the lines in the frame of `about` of a
-/// band or `to` of a region, otherwise in the world.
+/// {type "standing", standing [OutlinedStanding, and of the nearest its distance (m)]}: the lines in the frame of
+/// `about` of a band or `to` of a region, otherwise in the world.
 std::string standing_text(std::span<const draw::StandingOutline> outlines);
 
 /// {type "silent", seconds}: the server does not answer.
@@ -53,7 +52,7 @@ std::string silent_text(double seconds);
 /// {type "table", epoch, table_version}: objects or shapes have changed.
 std::string table_text(const ShownObjects& shown);
 
-/// {type "hello", version, up ("y" or "z"), connection (options of `collide` that lead to this server)}
+/// {type "hello", version, up ("y" or "z"), connection (options of `collide` that connect to this server)}
 std::string hello_text(bool y_is_up, std::string_view connection);
 
 }  // namespace collided::view

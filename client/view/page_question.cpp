@@ -37,7 +37,7 @@ std::optional<std::string> name(const json& object, const char* key) {
   return !text.empty() && text.size() <= kMostNameBytes ? std::optional(std::move(text)) : std::nullopt;
 }
 
-/// Nothing where it is negative.
+/// Nothing if it is negative.
 std::optional<double> size_in(const json& object, const char* key) {
   const std::optional<double> value = finite(object, key);
   return value && *value >= 0 ? value : std::nullopt;

@@ -21,7 +21,7 @@ struct ObjectOfName {
   std::string name;
 };
 
-/// Which publisher moves what.
+/// The moving objects by publisher.
 struct Owners {};
 
 /// The objects nearest to a point.
@@ -36,19 +36,19 @@ struct SweptBall {
   SweepQuestion motion;
 };
 
-/// What is nearest to an object.
+/// The object nearest to another.
 struct NearestToObject {
   std::string name;
 };
 
-/// What the server remembers of its last seconds.
+/// The server's memory of its last seconds.
 struct Remembered {
   double last_s = 0;  // above 0, at most kMostRemembered_s
 };
 
-/// What other clients ask, a sample of it.
+/// A sample of other clients' questions.
 struct SampledSince {
-  double since = 0;  // the number of the last one that the page knows
+  double since = 0;  // the number of the last one known to the page
 };
 
 inline constexpr std::uint32_t kMostNearest = 20;
@@ -73,8 +73,8 @@ struct PageQuestion {
       what;
 };
 
-/// Reads a question from untrusted text. Nothing where it is not JSON, a member is missing or of another type, a number
-/// is not finite, a size is negative, the direction is zero, or a name is empty or longer than 255 bytes.
+/// Reads a question from untrusted text. Nothing if it is not JSON, a member is missing or of another type, a number is
+/// not finite, a size is negative, the direction is zero, or a name is empty or longer than 255 bytes.
 std::optional<PageQuestion> parse_page_question(std::string_view text);
 
 }  // namespace collided::view

@@ -51,7 +51,7 @@ std::string page_of_run(std::string_view run) {
   return page;
 }
 
-/// Passes what a recording shows on to a writer, as a Follower does with what a server shows.
+/// Passes the content of a recording to a writer, as a Follower does with a server's state.
 class ShowToWriter {
  public:
   explicit ShowToWriter(RunWriter& writer) : writer_(writer) {}
@@ -59,7 +59,7 @@ class ShowToWriter {
   void operator()(const std::shared_ptr<const ShownObjects>& shown) { writer_.observer().objects(shown); }
   void operator()(const Poses& poses) { writer_.observer().poses(poses); }
   void operator()(const ServerStatus& status) { writer_.observer().status(status, {}); }
-  /// Contacts that hold at the begin are a state, as for a page that has just connected, and not events.
+  /// Contacts open at the beginning are a state, as for a page that has just connected, not events.
   void operator()(std::span<const Event> events) {
     const auto is_open = [](const Event& event) { return event.kind == EventKind::open; };
     const auto first = has_contacts_ ? events.begin() : std::ranges::find_if_not(events, is_open);

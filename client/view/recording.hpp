@@ -19,7 +19,7 @@ struct RecordingOptions {
   std::function<bool()> is_stopped;
 };
 
-/// A recording as a page that needs nothing but a browser.
+/// A recording as a page that needs only a browser.
 struct SavedRun {
   std::string page;
   double seconds = 0;
@@ -30,8 +30,8 @@ struct SavedRun {
 /// Follows the server for the given time and makes a page of it.
 Result<SavedRun> record_run(Client& client, const RecordingOptions& options);
 
-/// A recording that was written earlier, in the form in which a saved page has its run (RunWriter). Error bad_input, with a
-/// sentence that leaves out the file's name, where nothing in it can be shown.
+/// An earlier recording, in the format of a saved page's run (RunWriter). Error bad_input, with a sentence that leaves
+/// out the file's name, if nothing in it can be shown.
 ///
 /// surroundings  as in PictureOptions
 /// is_stopped    called many times a second; true ends the reading
@@ -39,7 +39,8 @@ Result<SavedRun> record_run(Client& client, const RecordingOptions& options);
 Result<std::string> run_of_recording(const std::string& path, std::shared_ptr<const ShownObjects> surroundings,
                                      const std::function<bool()>& is_stopped);
 
-/// Bytes of a recording's run, compressed: a browser holds it as one text. A longer recording is shown up to there.
+/// Limit on a recording's run, in compressed bytes: a browser holds it as one text. A longer recording is shown up to
+/// there.
 inline constexpr std::size_t kMostRunBytes = std::size_t{128} << 20;
 
 }  // namespace collided::view

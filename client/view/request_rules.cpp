@@ -55,7 +55,7 @@ std::string_view query_of(std::string_view target) {
   return mark == std::string_view::npos ? std::string_view() : target.substr(mark + 1);
 }
 
-/// Looks at every character, whichever is the first that differs: the time must not lead a guesser along.
+/// Compares every character, regardless of the first difference, so that the time reveals nothing to a guesser.
 bool is_token(std::string_view given, std::string_view token) {
   if (given.size() != token.size()) return false;
   unsigned char differences = 0;

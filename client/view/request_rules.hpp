@@ -9,12 +9,12 @@ namespace collided::view {
 /// Which requests the viewer accepts. A page of another site, shown in the user's browser, can reach local ports too,
 /// under its own host name (DNS rebinding) or from its own origin. It must be refused.
 struct RequestRules {
-  std::vector<std::string> hosts{};    // host names that are accepted, besides the address of the socket itself
+  std::vector<std::string> hosts{};    // accepted host names, besides the address of the socket itself
   std::vector<std::string> origins{};  // of other pages that may connect, such as "https://app.foxglove.dev"
-  std::string token{};                 // a request must bring it; empty: none is needed
+  std::string token{};                 // a request must contain it; empty: none is needed
 };
 
-/// A token that nobody guesses: 128 random bits in hexadecimal. Throws std::runtime_error where the system has none.
+/// An unguessable token: 128 random bits in hexadecimal. Throws std::runtime_error if the system has none.
 std::string new_token();
 
 /// Whether a Host header is accepted: it must be the address that the connection was made to, localhost for a loopback
@@ -25,11 +25,11 @@ bool may_be_called(std::string_view host, std::string_view own_address, bool is_
 /// that are not browsers. Check may_be_called first.
 bool may_connect(std::string_view origin, std::string_view host, const RequestRules& rules);
 
-/// How a request shows that it may see what is served.
+/// How a request proves its access.
 enum class Admission { none, by_cookie, by_query };
 
-/// Whether the request brings the rules' token: as `token` in the query of its target, or in a cookie of that name. All
-/// are let in (by_cookie) where the rules have none. The time it takes says nothing of the token.
+/// Whether the request contains the rules' token: as `token` in the query of its target, or in a cookie of that name.
+/// All are admitted (by_cookie) if the rules have none. The time it takes does not depend on the token.
 ///
 /// cookies  the Cookie header
 Admission admission_of(std::string_view target, std::string_view cookies, std::string_view cookie_name,

@@ -75,7 +75,7 @@ void RunWriter::keep(const char* kind, std::string data) {
   messages_.push_back({at_s, kind, std::move(data)});
 }
 
-/// The text is put together piece by piece, since a JSON value of it would take its memory twice.
+/// The text is assembled piece by piece, since a JSON value of it would need its memory twice.
 std::string RunWriter::finish(double seconds, const std::vector<std::string>& notes) const {
   const std::lock_guard lock(mutex_);
   std::string run = R"({"begin":0,"end":)" + text_of(seconds) + R"(,"notes":)" + text_of(notes) + R"(,"messages":[)";

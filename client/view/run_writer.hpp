@@ -11,19 +11,19 @@
 
 namespace collided::view {
 
-/// Writes the messages that a live page would get, with their times, as the page plays them: JSON
-/// {begin, end, notes [texts], messages [{t, kind, data}], surfaces}. Data are text, or bytes compressed by zlib, in base64.
+/// Writes the messages of a live page, with their times, in the format that the page plays: JSON {begin, end, notes
+/// [texts], messages [{t, kind, data}], surfaces}. Data are text, or bytes compressed by zlib, in base64.
 ///
 /// threads  any
 class RunWriter {
  public:
-  using Now = std::function<double()>;  // seconds since the run's begin; any thread
+  using Now = std::function<double()>;  // seconds since the run's beginning; any thread
 
-  /// most_bytes  compressed; what comes after that is left out
+  /// most_bytes  compressed; later messages are left out
   RunWriter(std::size_t most_bytes, Now now);
 
   Observer& observer() { return feed_; }
-  /// Adds a message that no Observer makes.
+  /// Adds a message that does not come from an Observer.
   void add(std::string message) { keep("text", std::move(message)); }
   bool is_full() const;
   std::size_t frame_count() const;

@@ -19,7 +19,7 @@ Result<std::string> ask_recorder(Client& client, const nlohmann::json& arguments
   return client.command(wire_contract::command::kRecording, arguments.dump(), {}, kPatience);
 }
 
-/// Takes the recording as the server writes it, page after page, into a file.
+/// Writes the recording into a file as the server sends it, page after page.
 Result<void> fetch_recorded(Client& client, std::chrono::nanoseconds last, UploadedFile& file) {
   const Result<std::string> told = ask_recorder(client, {{"last_s", std::chrono::duration<double>(last).count()}});
   if (!told) return told.error();

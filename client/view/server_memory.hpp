@@ -13,8 +13,8 @@
 
 namespace collided::view {
 
-/// The content of the server's flight recorder, fetched when a page asks for it, in the form in which the page shows recordings
-/// (run_of_recording). The newest one is kept until the next one is asked for.
+/// The content of the server's flight recorder, fetched on a page's request, in the form in which the page shows
+/// recordings (run_of_recording). The newest one is kept until the next request.
 ///
 /// limits   kMostBytes; more is refused
 /// threads  any; fetch() takes as long as the server needs to write it, and as reading it takes
@@ -22,7 +22,7 @@ class ServerMemory {
  public:
   static constexpr std::uint64_t kMostBytes = std::uint64_t{256} << 20;
 
-  /// Fetches the last seconds, and returns the number under which page() has them.
+  /// Fetches the last seconds, and returns their number for page().
   ///
   /// surroundings  as in PictureOptions
   Result<std::uint64_t> fetch(Client& client, std::chrono::nanoseconds last,

@@ -33,7 +33,7 @@ std::optional<std::vector<draw::StandingOutline>> StandingFollower::look() {
   return all;
 }
 
-/// Whether another object is nearest, or the line to it is another one.
+/// Whether another object is nearest, or the line to it has changed.
 bool StandingFollower::look_at_nearest() {
   Result<std::vector<draw::StandingOutline>> now = draw::nearest_outlines(client_);
   if (!now) return false;

@@ -16,8 +16,8 @@ class StandingFollower {
   /// client  must outlive it
   explicit StandingFollower(Client& client) : client_(client) {}
 
-  /// All outlines if, since the last look, one was added or removed, holds other objects, or has another line to what is
-  /// nearest. What they hold is asked each time, where regions and bands are only when there are others.
+  /// All outlines if, since the last look, one was added or removed, holds other objects, or has another line to the
+  /// nearest. The held objects are requested each time, the places of regions and bands only when they have changed.
   std::optional<std::vector<draw::StandingOutline>> look();
   /// Whether there were any at the last look.
   bool has_any() const { return !outlines_.empty() || !nearest_.empty(); }
@@ -26,7 +26,7 @@ class StandingFollower {
   bool look_at_nearest();
 
   Client& client_;
-  std::vector<draw::StandingOutline> outlines_;  // of regions and bands, as they were returned
+  std::vector<draw::StandingOutline> outlines_;  // of regions and bands, as returned
   std::vector<draw::StandingOutline> nearest_;
 };
 

@@ -29,7 +29,7 @@ constexpr const char* kListSchema = R"({"title":"collided.Standing","type":"obje
   "object":{"type":"string"},"other":{"type":"string"},"band":{"type":"number"},"in_doubt":{"type":"boolean"},"since_ns":{"type":"integer"}}}},
  "lines":{"type":"array","items":{"type":"array","items":{"type":"number"}}}}}}}})";
 
-/// Where an object is; nothing if it is not there.
+/// The pose of an object; nothing if it does not exist.
 std::optional<Pose> pose_of(Client& client, const std::string& name) {
   const nlohmann::json arguments{{"name", name}};
   const Result<std::string> text = client.command(wire_contract::command::kGet, arguments.dump(), {}, kCarrierPatience);
@@ -86,7 +86,8 @@ void StandingRecorder::look_at_carriers() {
   }
 }
 
-/// A file has no frames for its scenes, so lines are placed by their carrier's pose; without a carrier they are left out.
+/// A file has no frames for its scenes, so lines are placed by their carrier's pose; without a carrier they are left
+/// out.
 void StandingRecorder::write() {
   std::vector<draw::StandingOutline> placed;
   std::ranges::copy_if(outlines_, std::back_inserter(placed), [&](const draw::StandingOutline& outline) {

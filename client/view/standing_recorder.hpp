@@ -11,22 +11,22 @@
 
 namespace collided::view {
 
-/// The schema of what is written for the page.
+/// The schema of the messages for the page.
 inline constexpr const char* kStandingSchemaName = "collided.Standing";
 
-/// Writes the outlines of standing questions into a recording: on "<namespace>/standing" as the page of `collide view` takes
-/// them, each in the frame of its carrier, and on "/fences" as a scene in the world for Foxglove. A file of a run without
-/// standing questions has neither.
+/// Writes the outlines of standing questions into a recording: on "<namespace>/standing" in the format of the page of
+/// `collide view`, each in the frame of its carrier, and on "/fences" as a scene in the world for Foxglove. A file of a
+/// run without standing questions has neither.
 ///
-/// cost     asks the server five times a second while there are any, otherwise once for each change that the recording has
-///          received; the poses of 50 carriers at most
+/// cost     asks the server five times a second while there are any, otherwise once for each change that the recording
+///          has received; the poses of 50 carriers at most
 /// threads  one
 class StandingRecorder {
  public:
   /// recording  must outlive it
   StandingRecorder(Recording& recording, const std::string& name_space);
 
-  /// To be called often.
+  /// Call this often.
   void look();
 
  private:
@@ -40,9 +40,9 @@ class StandingRecorder {
   const OwnChannel listed_;
   const OwnChannel scene_;
   Clock::time_point next_;
-  std::uint64_t changes_ = ~std::uint64_t{0};  // that the last look took into account; no number at first
+  std::uint64_t changes_ = ~std::uint64_t{0};  // included by the last look; an impossible number at first
   std::vector<draw::StandingOutline> outlines_;
-  std::map<std::string, Pose> carriers_;  // by name, as the last scene has them
+  std::map<std::string, Pose> carriers_;  // by name, as in the last scene
 };
 
 }  // namespace collided::view

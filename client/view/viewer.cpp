@@ -49,7 +49,7 @@ Viewer::Viewer(Client& client, const ViewerOptions& options)
 
 Viewer::~Viewer() {
   is_stopping_ = true;
-  // What calls others is destroyed before what it calls.
+  // Callers are destroyed before their callees.
   follower_.reset();
   asker_.reset();
   web_.reset();
@@ -114,7 +114,7 @@ void Viewer::greet(Connection page) {
     const std::lock_guard lock(mutex_);
     pages_.push_back(page);
   }
-  // The page is in the list already, so it may get a change twice, which does no harm, but never misses one.
+  // The page is already in the list, so it may get a change twice, which does no harm, but never misses one.
   for (const WebMessage& message : feed_.first_words()) web_->send(page, message);
 }
 

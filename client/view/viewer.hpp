@@ -18,22 +18,22 @@
 
 namespace collided::view {
 
-/// Where to serve, whom, and how much.
+/// Where to serve, for whom, and limits.
 struct ViewerOptions {
   WebAddress address{};
   RequestRules rules{};
   WebLimits limits{};
   bool y_is_up = false;
-  std::string connection = {};  // options of `collide` that lead to this server, for the commands that the page shows
+  std::string connection = {};  // options of `collide` for this server, in the commands that the page shows
 };
 
-/// Shows a server live in browsers and to programs that speak Foxglove's protocol. It follows the server as a client,
-/// serves the page, and passes the page's questions on. It runs on its own threads until it is destroyed. At an address
-/// that other machines reach it shows itself only to requests that bring its token.
+/// Shows a server live in browsers and to programs with Foxglove's protocol. It follows the server as a client, serves
+/// the page, and passes the page's questions on. It runs on its own threads until it is destroyed. At an address that
+/// other machines reach it answers only requests with its token.
 class Viewer {
  public:
   /// client  must outlive it
-  /// throws  std::runtime_error with a sentence where it cannot listen at the address
+  /// throws  std::runtime_error with a sentence if it cannot listen at the address
   static Result<std::unique_ptr<Viewer>> start(Client& client, const ViewerOptions& options);
   ~Viewer();
   Viewer(const Viewer&) = delete;
@@ -41,7 +41,7 @@ class Viewer {
 
   std::uint16_t port() const { return web_->port(); }
   const WebCounts& counts() const { return web_->counts(); }
-  /// That of the options, or one made for an address that other machines reach; empty where none is needed.
+  /// The token of the options, or one made for an address that other machines reach; empty if none is needed.
   const std::string& token() const { return rules_.token; }
 
  private:
@@ -73,7 +73,7 @@ class Viewer {
   void open(Connection client, const std::string& protocol);
   void close(Connection client);
   void hear(Connection client, std::string_view message, bool is_text);
-  // Sends a new page everything that holds, and adds it to pages_.
+  // Sends a new page the full state, and adds it to pages_.
   void greet(Connection page);
   // Has the asker answer a page's question.
   void pass_on(Connection page, std::string_view text);

@@ -33,9 +33,9 @@ using tcp = asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 using beast::error_code;
 
-constexpr std::size_t kPieceBytes = 256 << 10;  // that a client takes or sends in the time of a stall
+constexpr std::size_t kPieceBytes = 256 << 10;  // that a client must receive or send within the stall time
 
-/// The page runs nothing from elsewhere, and cannot be embedded in another page.
+/// The page runs no scripts from elsewhere, and cannot be embedded in another page.
 constexpr std::string_view kContentPolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; connect-src 'self'; img-src 'self' data:; "
     "frame-ancestors 'none'; base-uri 'none'; form-action 'none'";
@@ -94,7 +94,7 @@ class WebServer::Running {
   WebCounts counts_;
   std::unordered_map<Connection, std::weak_ptr<Socket>> sockets_;
   std::map<std::uint64_t, Request*> reading_;    // without a whole request, the oldest first
-  std::map<std::uint64_t, Request*> answering_;  // that are sent a page, the oldest first
+  std::map<std::uint64_t, Request*> answering_;  // a page is being sent to these, oldest first
   std::uint64_t newest_turn_ = 0;
   Request* uploading_ = nullptr;  // the one with a file that is received or read
   asio::io_context context_{1};   // owns the connections, which use the members above
@@ -149,7 +149,8 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
       ++owner_.counts_.superseded;
       return;
     }
-    // Only messages without a lane accumulate; of a lane one waits. The message being written no longer waits, however large.
+    // Only messages without a lane accumulate; at most one of each lane waits. The message being written no longer
+    // waits, however large.
     if (message.lane == 0) {
       ++piled_messages_;
       piled_bytes_ += message.bytes->size();
@@ -194,7 +195,7 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
     write_piece();
   }
 
-  /// A client that takes a large message slowly is not one that takes nothing: each piece has the time of a stall.
+  /// A client that receives a large message slowly is not stalled: each piece has the full stall time.
   void write_piece() {
     taken_at_ = Clock::now();
     const std::string_view rest = std::string_view(*written_.bytes).substr(written_bytes_);
@@ -251,12 +252,12 @@ class WebServer::Running::Socket : public std::enable_shared_from_this<Socket> {
   WebMessage written_;
   std::size_t written_bytes_ = 0;
   std::deque<WebMessage> waiting_;  // behind the one that is being written
-  std::size_t piled_messages_ = 0;  // of those that wait, the ones without a lane
+  std::size_t piled_messages_ = 0;  // of the waiting ones, those without a lane
   std::size_t piled_bytes_ = 0;
   bool is_open_ = false;
   bool is_dropped_ = false;
   bool is_writing_ = false;
-  Clock::time_point taken_at_;  // when the client had taken all that was written before
+  Clock::time_point taken_at_;  // when the client had received everything written before
   Clock::time_point second_began_;
   std::uint32_t said_this_second_ = 0;
 };
@@ -323,7 +324,7 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
     }
     place_.emplace(owner_.counts_);
     keeps_ = request.keep_alive();
-    // Of two names a proxy may have looked at the other one (RFC 9112, 3.2).
+    // With two names a proxy may have used the other one (RFC 9112, 3.2).
     if (request.count(http::field::host) > 1) return refuse(http::error::bad_field);
     const std::string_view host = view_of(request[http::field::host]);
     if (!may_be_called(host, own_address_, is_loopback_, owner_.rules_)) {
@@ -441,8 +442,8 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
     refuse_upload(http::status::payload_too_large, "it is too large: this viewer takes at most " +
                                                        std::to_string(owner_.limits_.upload_bytes >> 20) + " MiB");
   }
-  /// Answers before all of the file has come. The rest is received too: a connection that is closed with unread bytes may
-  /// lose its answer.
+  /// Answers before the whole file has arrived. The rest is received too: a connection that is closed with unread bytes
+  /// may lose its answer.
   void refuse_upload(http::status status, std::string why) {
     end_upload();
     drains_ = true;
@@ -469,7 +470,7 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
       keeps_ = false;
       return respond(http::status::not_found, "text/plain", make_bytes("none of these protocols is spoken here\n"));
     }
-    // A place is kept for pages, whatever one program holds open.
+    // A place is reserved for pages, even if one program holds many connections open.
     const std::size_t most = owner_.limits_.connections - owner_.limits_.connections / 4;
     if (owner_.sockets_.size() >= most) {
       ++owner_.counts_.full;
@@ -491,7 +492,7 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
     response_->set("Cross-Origin-Resource-Policy", "same-origin");
     response_->set("Referrer-Policy", "no-referrer");
     response_->set("X-Content-Type-Options", "nosniff");
-    // What the page fetches, and its socket, then bring the token by themselves.
+    // The page's further requests, and its socket, then contain the token.
     if (std::exchange(sets_cookie_, false))
       response_->set(http::field::set_cookie,
                      owner_.cookie_name() + '=' + owner_.rules_.token + "; Path=/; HttpOnly; SameSite=Strict");
@@ -523,7 +524,7 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
   std::optional<OpenConnection> place_;  // while it is answered
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_;
-  asio::ip::address address_;   // where it comes from
+  asio::ip::address address_;   // the client's
   std::uint64_t turn_ = 0;      // since when it is among reading_ or answering_
   Clock::time_point answered_;  // when its answer was begun
   bool is_first_ = true;
@@ -531,7 +532,7 @@ class WebServer::Running::Request : public std::enable_shared_from_this<Request>
   bool is_loopback_ = false;
   bool keeps_ = false;
   bool sets_cookie_ = false;
-  bool drains_ = false;  // what still comes is received after the answer
+  bool drains_ = false;  // remaining data is received after the answer
   unsigned version_ = 11;
   http::verb method_ = http::verb::unknown;
   std::string target_;
@@ -580,7 +581,7 @@ void WebServer::Running::run() {
       context_.run();
       return;
     } catch (const std::exception&) {
-      // The connection whose handler threw is gone with it; the others go on.
+      // The connection whose handler threw is gone with it; the others continue.
       ++counts_.faults;
     }
   }
@@ -604,7 +605,7 @@ void WebServer::Running::take(tcp::socket socket) {
   std::make_shared<Request>(*this, std::move(socket))->read();
 }
 
-/// The oldest of those from the address that has most: one client's half requests displace each other.
+/// Closes the oldest of those from the address with the most: one client's half requests displace each other.
 void WebServer::Running::close_one_request() {
   std::map<asio::ip::address, std::size_t> counts;
   for (const auto& [number, request] : reading_) ++counts[request->address()];
@@ -616,7 +617,7 @@ void WebServer::Running::close_one_request() {
   reading_.erase(oldest);
 }
 
-/// The answer that was begun first, where its client is slow to receive it: others wait for its place.
+/// Closes the answer that was begun first, if its client is slow to receive it: others wait for its place.
 bool WebServer::Running::close_one_answer() {
   if (answering_.empty() || !answering_.begin()->second->is_slow()) return false;
   ++counts_.slow;

@@ -28,11 +28,11 @@ struct WebAddress {
 /// Whether only programs of this machine reach the address.
 bool is_loopback(const WebAddress& address);
 
-/// What clients may use at most.
+/// Upper limits for clients.
 struct WebLimits {
-  std::size_t connections = 64;  // that are answered or watch; further ones are refused with a message
-  /// Connections without a whole request, which are not among those. With more, the oldest of the address that has most
-  /// is closed, so that half requests keep no place from others.
+  std::size_t connections = 64;  // answered or watching; further ones are refused with a message
+  /// Connections without a whole request, which are counted separately. Beyond it, the oldest of the address with the
+  /// most is closed, so that half requests take no place from others.
   std::size_t requests = 256;
   std::uint32_t header_bytes = 8 * 1024;                // of a request; a body is refused, except an upload's
   std::uint64_t upload_bytes = std::uint64_t{1} << 30;  // of an uploaded file; one is received at a time
@@ -42,22 +42,22 @@ struct WebLimits {
   std::size_t waiting_messages = 256;
   std::size_t waiting_bytes = 4 << 20;
   std::chrono::seconds first_request{2};  // to receive the first request of a connection
-  std::chrono::seconds request{10};       // to receive a later one, with the time before it
+  std::chrono::seconds request{10};       // to receive a later one, including the pause before it
   std::chrono::seconds response{60};      // to send a page
-  // A client that has taken nothing of a message for this long is dropped, and so is a silent one, and one that has not
-  // sent a piece (256 KiB) of its upload in that time.
+  // A client that has received nothing of a message for this long is dropped, and so is a silent one, and one that has
+  // not sent a piece (256 KiB) of its upload in that time.
   std::chrono::seconds stall{20};
 };
 
-/// A message to a client. While it still waits, a newer one of its lane replaces it. Messages with a lane are not limited, so
-/// whatever makes them has a limit of its own.
+/// A message to a client. While it waits, a newer one of its lane replaces it. Messages with a lane are not limited, so
+/// their makers must limit them.
 struct WebMessage {
   Bytes bytes;
   bool is_text = false;
   std::uint8_t lane = 0;  // 0: none, every message is sent
 };
 
-/// A page to be served.
+/// A page to serve.
 struct WebPage {
   std::string_view type;  // for the Content-Type header; must remain valid
   Bytes body;
@@ -65,7 +65,7 @@ struct WebPage {
 
 /// The answer to an uploaded file.
 struct UploadAnswer {
-  bool is_taken = false;  // else the page is a sentence that says why not
+  bool is_taken = false;  // else the page is a sentence with the reason
   WebPage page;
 };
 
@@ -79,7 +79,7 @@ struct WebCounts {
   std::atomic<std::uint64_t> slow{0};        // dropped since they did not receive their messages in time
   std::atomic<std::uint64_t> flooding{0};    // dropped since they sent too much
   std::atomic<std::uint64_t> superseded{0};  // messages that a newer one replaced
-  std::atomic<std::uint64_t> faults{0};      // exceptions on the server's thread, such as out of memory; it goes on
+  std::atomic<std::uint64_t> faults{0};      // exceptions on the server's thread, such as out of memory; it continues
 };
 
 /// An HTTP and WebSocket server on one port, on a thread of its own. All memory that clients can make it use is
@@ -88,7 +88,8 @@ class WebServer {
  public:
   using Connection = std::uint64_t;  // the number of a WebSocket connection; never reused
 
-  /// Functions that the server calls, on its own thread. None but `uploaded` may wait. Targets come without the rules' token.
+  /// Functions that the server calls, on its own thread. Only `uploaded` may wait. Targets come without the rules'
+  /// token.
   struct Handlers {
     /// The page for a path with its query; nothing: 404.
     std::function<std::optional<WebPage>(std::string_view target)> page;
@@ -104,8 +105,8 @@ class WebServer {
     std::function<UploadAnswer(const std::string& path)> uploaded;
   };
 
-  /// Listens; requests are answered after start(). Throws std::runtime_error with a sentence where it cannot listen at
-  /// the address.
+  /// Listens; requests are answered after start(). Throws std::runtime_error with a sentence if it cannot listen at the
+  /// address.
   WebServer(const WebAddress& address, const RequestRules& rules, const WebLimits& limits, Handlers handlers);
   ~WebServer();
   WebServer(const WebServer&) = delete;

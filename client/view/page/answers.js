@@ -1,10 +1,11 @@
 // Answers to questions of the user, rounded for reading, and the commands that give them with all digits.
 
-/// A number so that it reads back as the same double, without an exponent that a shell user would stumble over.
+/// A number that reads back as the same double, without an exponent that could confuse a shell user.
 const fullText = (value) => (Object.is(value, -0) ? "0" : String(value));
 const fullPoint = (point) => point.map(fullText).join(" ");
 
-/// A word for a shell. Signs that cannot be seen, or turn others around, are written out, so that nobody runs what is not seen.
+/// A word for a shell. Invisible characters, and those that reverse others, are escaped, so that users run only what
+/// they see.
 function shellWord(word) {
   if (/^[A-Za-z0-9_./:][-A-Za-z0-9_./:]*$/.test(word)) return word;
   if (visible(word) === word) return `'${word.replaceAll("'", "'\\''")}'`;
@@ -12,7 +13,7 @@ function shellWord(word) {
   return `$'${escaped}'`;
 }
 
-/// The command line that gives the same answer. connection: the options that lead to this server.
+/// The command line that gives the same answer. connection: the options that connect to this server.
 function commandText(connection, question) {
   const words = {
     ray: ({ origin, direction }) => `${fullPoint(origin)}  ${fullPoint(direction)}`,
@@ -25,7 +26,7 @@ function commandText(connection, question) {
   return `collide ${connection}${question.ask} ${words(question)}`;
 }
 
-/// The bound says how far a rounded number may be off from what the server decided exactly.
+/// The bound is the difference between a rounded number and the server's exact decision.
 function boundText(error) {
   const bound = Number(error);
   return bound === 0 ? "exact" : `± ${bound < 1e-9 ? "less than 1 nm" : lengthText(bound)}`;
@@ -38,7 +39,7 @@ function costText({ cost, age }, took_ms) {
   return parts.join("; ");
 }
 
-/// What is said of an answer: texts and elements.
+/// The description of an answer: texts and elements.
 function answerParts(question, answer) {
   if (answer.answer === "undecided" || answer.answer === "invalid") return [`${answer.answer} ${(answer.reason || "").replaceAll("_", " ")}`, ...hitList(question, answer)];
   const parts = {

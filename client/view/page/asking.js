@@ -1,4 +1,5 @@
-/// What the page asks the server, and how it shows the answers: to clicks and drags, and distances to what is under the pointer.
+/// The page's questions to the server, and how it shows the answers: to clicks and drags, and distances to the object
+/// under the pointer.
 class Asking {
   /// on: {send(question) -> whether it was sent, whyNotSent(), chosen(), hovered(), choose(slot), drawn()}
   constructor(world, camera, marks, on) {
@@ -13,20 +14,20 @@ class Asking {
     byId("close-answer").addEventListener("click", () => this.hideAnswer());
   }
 
-  /// Sends a question with a new number; returns that, null where it cannot be sent.
+  /// Sends a question with a new number; returns that, or null if it cannot be sent.
   ask(question) {
     const id = ++this.question;
     return this.on.send({ ...question, id }) ? id : null;
   }
 
-  /// Asks what the user wants to know; the answer is shown with the command that gives it.
+  /// Asks the user's question; the answer is shown with the command that gives it.
   askShown(question) {
     this.clicked = this.ask(question);
     this.shown = { question, at: performance.now() };
     if (this.clicked === null) this.showAnswer([this.on.whyNotSent()], "", "");
   }
 
-  /// Asks a ray from the eye. The command line shows the numbers that were sent: all their digits.
+  /// Asks a ray from the eye. The command line shows the numbers as sent: all their digits.
   ray(x, y) {
     const digits = Math.min(9, Math.max(0, 5 - Math.floor(Math.log10(this.camera.distance))));
     const origin = this.camera.eye().map((part) => Number(part.toFixed(digits)));
@@ -60,7 +61,7 @@ class Asking {
     const unit = normalized(answer.direction);
     const met = answer.answer === "hit";
     const to = met ? answer.point : add(answer.origin, scale(unit, this.camera.distance * 3));
-    // It is drawn from a little beside the eye, since a line from the eye itself would look like a point.
+    // It is drawn from slightly beside the eye, since a line from the eye itself would look like a point.
     const { up, right } = this.camera.axes();
     const from = add(answer.origin, scale(subtract(scale(right, 0.25), up), this.camera.distance * 0.2));
     this.marks.rays.push({ from, to, met, normal: answer.normal || unit, at: performance.now() });
@@ -95,7 +96,7 @@ class Asking {
     try {
       await navigator.clipboard.writeText(text);
     } catch {
-      // Only pages of https and of this machine may; the command is selected instead.
+      // Only pages of https and of this machine may copy; otherwise the command is selected.
       getSelection().selectAllChildren(byId("answer-command"));
       return;
     }
@@ -113,7 +114,7 @@ class Asking {
     } else if (answer.answer === "hit") {
       const depth = depthText(answer);
       this.gap = depth === "touching" ? "touches the chosen one" : `${depth} deep in the chosen one`;
-      // They overlap as shapes, but that is no contact.
+      // They overlap as shapes, but that is not a contact.
       if (!mayMeet(a, b)) this.gap = "overlaps the chosen one; the two never meet (layers, groups, or neither moves)";
     } else this.gap = "undecided against the chosen one";
     this.on.drawn();

@@ -37,21 +37,21 @@ class Camera {
     this.isTouched = true;
     this.distance = Math.max(1e-4, Math.min(1e9, this.distance * factor));
   }
-  /// Moves so that the whole box is in the picture, in the middle of what is free, with some room around it. above, below:
-  /// parts of the picture's height that something else lies over.
+  /// Moves so that the whole box is in the picture, in the middle of the free part, with some room around it. above,
+  /// below: covered parts of the picture's height.
   fit(bounds, above = 0, below = 0) {
     const free = Math.max(0.3, 1 - above - below);
     const { back, right, up } = this.axes();
     const corners = bounds.corners();
     this.target = bounds.center();
     const extent = (axis) => corners.map((corner) => dot(subtract(corner, this.target), axis));
-    // What the eye must keep back so that a corner is within the picture's half width or height.
+    // The distance that the eye must keep so that a corner is within the picture's half width or height.
     const away = (across, half) => Math.max(...corners.map((corner, i) => Math.abs(across[i]) / half + dot(subtract(corner, this.target), back)));
     const room = 1.06;
     for (let round = 0; round < 4; ++round) {
       const [x, y] = [extent(right), extent(up)];
       this.distance = Math.max(1e-4, room * Math.max(away(x, this.halfHeight * this.aspect), away(y, this.halfHeight * free)));
-      // Perspective shows the nearer half larger: the middle of what is seen, not of the box, is to be the picture's.
+      // Perspective shows the nearer half larger: centres the visible image, not the box.
       const seen = corners.map((corner) => this.project(corner)).filter(Boolean);
       const middle = (axis) => (Math.max(...seen.map((at) => at[axis])) + Math.min(...seen.map((at) => at[axis]))) / 2;
       const size = this.halfHeight * this.distance;
@@ -60,7 +60,7 @@ class Camera {
     this.turnAbout(bounds.center());
   }
 
-  /// Keeps the eye and what it looks at, and turns from now on about where that is as high as the point.
+  /// Keeps the eye and its target direction, and turns from now on about the target at the point's height.
   turnAbout(point) {
     const { back } = this.axes();
     const axis = this.yIsUp ? 1 : 2;
@@ -77,7 +77,7 @@ class Camera {
     return add(scale(back, -1), add(scale(right, x * this.halfHeight * this.aspect), scale(up, y * this.halfHeight)));
   }
 
-  /// The image of a point, x and y from -1 to 1; null where it is behind the eye.
+  /// The image of a point, x and y from -1 to 1; null if it is behind the eye.
   project(point) {
     const { back, right, up } = this.axes();
     const p = subtract(point, this.eye());

@@ -1,10 +1,10 @@
-// Colors that people who confuse some still tell apart: Okabe and Ito, "Color Universal Design", 2008.
+// Colors that colour-blind people can distinguish: Okabe and Ito, "Color Universal Design", 2008.
 const kPalette = [[0, 114, 178], [230, 159, 0], [0, 158, 115], [204, 121, 167], [86, 180, 233], [213, 94, 0], [240, 228, 66], [120, 120, 120]];
 
-// Of what has moved within so many seconds; the warmer the more recently.
+// For objects that moved within this many seconds; the warmer the more recently.
 const kAges = [[0.2, [213, 94, 0]], [2, [230, 159, 0]], [20, [240, 228, 66]], [Infinity, [86, 180, 233]]];
 
-/// Colors by the time since an object last moved, as far as the page has seen that.
+/// Colors by the time since an object last moved, as observed by the page.
 function coloringByAge(world) {
   const strength = 140;
   const gray = [120, 120, 120];

@@ -1,4 +1,4 @@
-/// Pairs that touch or have touched, the newest last.
+/// Pairs that touch or have touched, newest last.
 class Contacts {
   constructor() {
     this.pairs = new Map();
@@ -12,7 +12,7 @@ class Contacts {
     return same;
   }
 
-  /// All contacts that hold now.
+  /// All open contacts.
   set(contacts) {
     for (const pair of this.pairs.values()) pair.holds = false;
     for (const contact of contacts) this.hear(contact, -Infinity);
@@ -51,18 +51,18 @@ const kMarkFloats = 10;
 const kMostMarks = 12000;
 const kClusterPixels = 18;
 
-/// Contacts, rays and clearances as marks over the picture: lines, rings and dots, and the texts beside them.
+/// Contacts, rays and clearances as marks over the picture: lines, rings and dots, and their texts.
 class Marks {
   constructor() {
     this.data = new Float32Array(kMostMarks * kMarkFloats);
     this.count = 0;
     this.texts = [];  // {point, text}, for the overlay
     this.rays = [];
-    this.line = null;     // {from, to, text}: the clearance of what is under the pointer
-    this.nearest = null;  // likewise, of what is nearest to the chosen object
+    this.line = null;     // {from, to, text}: the clearance of the object under the pointer
+    this.nearest = null;  // the same, of the object nearest to the chosen one
     this.asked = null;    // {pieces, texts} of the newest answer (tools.js)
     this.preview = [];    // pieces of a question that is being drawn
-    this.others = [];     // {pieces, at}: what other clients ask (others.js)
+    this.others = [];     // {pieces, at}: other clients' questions (others.js)
     this.isCalm = matchMedia("(prefers-reduced-motion: reduce)");
   }
 
@@ -79,7 +79,8 @@ class Marks {
     this.data[at + 9] = accent;
   }
 
-  /// Places everything for a picture; returns whether some of it is animated. size: the picture's, in pixels of the screen.
+  /// Places everything for a picture; returns whether some of it is animated. size: the picture's, in pixels of the
+  /// screen.
   place(contacts, standing, world, camera, [width, height], isShown, now) {
     this.count = 0;
     this.texts = [];
@@ -115,7 +116,7 @@ class Marks {
     this.texts.push({ point: scale(add(from, to), 0.5), text });
   }
 
-  /// A region of the picture (world.js) grown so that it holds all marks; null where they may be anywhere.
+  /// A region of the picture (world.js) grown so that it holds all marks; null if they may be anywhere.
   region(region, camera, width, height) {
     if (!region || this.rays.length > 0 || this.others.length > 0 || this.line || this.nearest || this.asked || this.preview.length > 0 || this.areStandingElsewhere) return null;
     const reach_px = 30;
@@ -123,7 +124,7 @@ class Marks {
     return region;
   }
 
-  /// Contacts that are too near each other to be told apart: one mark with the number of those that hold. Ended ones only flash.
+  /// Contacts that are too close to be distinguished: one mark with the number of open ones. Ended ones only flash.
   putCluster(cluster) {
     const flash = Math.max(...cluster.map((one) => one.flash));
     const held = cluster.filter(({ pair }) => pair.holds);
@@ -147,7 +148,7 @@ class Marks {
     if (depth_px > 4 && Number.isFinite(depth_px)) this.put(subtract(point, scale(normal, depth / 2)), add(point, scale(normal, depth / 2)), 3, 0, 0.8, 0);
   }
 
-  /// One that holds something is lit.
+  /// A question that holds an object is lit.
   placeStanding(standing, world) {
     this.areStandingElsewhere = standing.areElsewhere();
     standing.forEachPiece(world, (from, to, { isHeld, form }) => {

@@ -1,7 +1,7 @@
-/// Turns what the user does with the picture into motions of the camera and clicks.
+/// Turns the user's input in the picture into motions of the camera and clicks.
 class Controls {
-  /// on: {changed(), click(x, y) (client coordinates), clickMiddle(), point({x, y} or null), isDragged() (whether drags are a
-  /// tool's), beginDrag(x, y) -> whether this one is, drag(x, y), endDrag(x, y), cancelDrag()}
+  /// on: {changed(), click(x, y) (client coordinates), clickMiddle(), point({x, y} or null), isDragged() (whether drags
+  /// are a tool's), beginDrag(x, y) -> whether this one is, drag(x, y), endDrag(x, y), cancelDrag()}
   constructor(canvas, camera, on) {
     this.canvas = canvas;
     this.camera = camera;
@@ -30,7 +30,7 @@ class Controls {
     this.canvas.setPointerCapture(event.pointerId);
     this.touches.set(event.pointerId, { x: event.clientX, y: event.clientY });
     if (this.held?.isTool) this.on.cancelDrag();
-    // While drags are a tool's, the right button turns.
+    // While drags belong to a tool, the right button turns.
     const turns = event.button === 0 || (event.button === 2 && this.on.isDragged());
     this.held = { x: event.clientX, y: event.clientY, travelled: this.touches.size > 1 ? Infinity : 0, slides: event.shiftKey || !turns };
     this.held.isTool = event.button === 0 && !event.shiftKey && this.touches.size === 1 && this.on.beginDrag(event.clientX, event.clientY);
@@ -57,7 +57,7 @@ class Controls {
     else this.camera.turn(dx * 3, dy * 3);
   }
 
-  /// Two fingers: their distance is how near, their middle where.
+  /// Two fingers: their distance is the zoom, their middle the position.
   pinch(id, before, here, unit) {
     const [other] = [...this.touches].filter(([each]) => each !== id).map(([, place]) => place);
     const apart = (place) => Math.max(10, Math.hypot(place.x - other.x, place.y - other.y));

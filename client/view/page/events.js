@@ -1,12 +1,12 @@
 const kMostEventsShown = 60;
 
-/// The newest events, the depth first: it is what one looks for. A click goes to an event's instant.
+/// The newest events, the depth first, since it matters most. A click goes to an event's instant.
 class EventList {
   /// on: {goTo(t, event)}
   constructor(on) {
     this.on = on;
     this.list = byId("events");
-    // While the pointer rests on the list it stands still, so that an event can be clicked.
+    // While the pointer rests on the list it does not change, so that an event can be clicked.
     this.list.addEventListener("pointerenter", (event) => { this.isHeld = event.pointerType === "mouse"; });
     this.list.addEventListener("pointerleave", () => { this.isHeld = false; });
     for (const filter of ["event-name", "event-kind"]) byId(filter).addEventListener("input", () => { this.isHeld = false; this.shown = null; });
@@ -40,7 +40,7 @@ class EventList {
   }
 }
 
-/// As keepChildren, for a list whose new items come first: those before the first known one are put before it.
+/// Like keepChildren, for a list whose new items come first: those before the first known one are put before it.
 function keepNewest(list, items) {
   const first = list.firstElementChild;
   const known = first ? items.findIndex(([key]) => key === first.key) : -1;

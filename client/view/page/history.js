@@ -1,4 +1,4 @@
-/// What the page has heard in the last seconds, so that any instant of them can be shown again. Bounded in time and bytes.
+/// The messages of the last seconds, so that any instant of them can be shown again. Bounded in time and bytes.
 class History {
   constructor(most_s, mostBytes) {
     this.most_s = most_s;
@@ -7,11 +7,11 @@ class History {
   }
 
   clear() {
-    this.frames = [];   // {t, value}: poses of all that moves
+    this.frames = [];   // {t, value}: poses of all moving objects
     this.tables = [];   // {t, value}
     this.changes = [];  // {t, kind, value}: contacts and events, in order
     this.standing = []; // {t, value}
-    this.others = [];   // {t, kind, value}: status and the like, the newest of each kind holds
+    this.others = [];   // {t, kind, value}: status and similar, the newest of each kind is valid
     this.base = new Contacts();  // before the first change
     this.bytes = 0;
     this.end = 0;
@@ -31,8 +31,8 @@ class History {
     if (this.end - this.trimmedAt > 1 || this.bytes > this.mostBytes) this.trim();
   }
 
-  /// Forgets what is too old, also where nothing moves, and the frames whose bytes are too many. Of what holds until it is
-  /// replaced, poses too, the last one before the beginning stays.
+  /// Removes entries that are too old, even if nothing moves, and frames beyond the limit of bytes. Of values that hold
+  /// until they are replaced, including poses, the last one before the beginning stays.
   trim() {
     this.trimmedAt = this.end;
     let kept = Math.max(0, firstAfter(this.frames, this.end - this.most_s) - 1);
@@ -47,7 +47,7 @@ class History {
     for (const change of this.changes.splice(0, firstAfter(this.changes, begin))) applyChange(this.base, change);
   }
 
-  /// What holds at an instant; null before the first.
+  /// The frame at an instant; null before the first.
   frameAt(t) { return this.frames[firstAfter(this.frames, t) - 1] || null; }
   tableAt(t) { return this.tables[firstAfter(this.tables, t) - 1] || null; }
   standingAt(t) { return this.standing[firstAfter(this.standing, t) - 1]?.value ?? null; }
@@ -62,7 +62,7 @@ class History {
   }
   changesBetween(after, until) { return this.changes.slice(firstAfter(this.changes, after), firstAfter(this.changes, until)); }
 
-  /// Events until an instant, the newest first, at most so many: [{t, event}].
+  /// Events until an instant, newest first, at most `most`: [{t, event}].
   eventsUntil(t, most) {
     const found = [];
     for (let i = firstAfter(this.changes, t) - 1; i >= 0 && found.length < most; --i) {
@@ -80,7 +80,7 @@ class History {
   }
 }
 
-/// The number of entries until t, by halving: they are in the order of their times.
+/// The number of entries until t, by bisection: they are ordered by time.
 function firstAfter(entries, t) {
   let low = 0;
   let high = entries.length;

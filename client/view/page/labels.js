@@ -8,7 +8,7 @@ class Labels {
     this.placed = [];  // [left, top, right, bottom, text] of the last picture
   }
 
-  /// marks: texts at points, which come first; objects: those that may be named, the most important first.
+  /// marks: texts at points, which come first; objects: candidates for names, the most important first.
   draw(camera, [width, height], marks, objects) {
     const areAny = marks.length > 0 || objects.length > 0;
     if (!areAny && this.placed.length === 0) return;
@@ -33,7 +33,7 @@ class Labels {
     }
   }
 
-  /// Writes a text where no other is; returns whether there was room.
+  /// Writes a text where there is no other; returns whether there was room.
   put(pen, camera, width, height, point, text, color, away) {
     const seen = camera.project(point);
     if (!seen) return false;

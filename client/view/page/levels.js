@@ -2,13 +2,13 @@
 // (farther_of in the shaders), so the choice does not depend on the rounding of a pixel.
 const kMostLevels = 15;
 
-/// Levels of objects that do not move, by slot: where faces of two may coincide, the larger one has the higher level.
+/// Levels of static objects, by slot: where faces of two may coincide, the larger one has the higher level.
 function levels(objects) {
   const still = objects.filter(({ moving, own, parts }) => !moving && (!own.isEmpty() || parts.length > 0))
     .map((object) => ({ object, bounds: placedBounds(object), size: object.own.isEmpty() ? Infinity : object.own.radius(), level: 0 }))
     .sort((a, b) => a.size - b.size);
   const mostCompared = 1500;
-  const most = Math.max(0, still.length - mostCompared);  // of the smallest: nobody sees what they do
+  const most = Math.max(0, still.length - mostCompared);  // of the smallest: their artefacts are invisible
   for (let i = most; i < still.length; ++i) {
     const one = still[i];
     for (let j = most; j < i; ++j) if (still[j].level >= one.level && mayCoincide(one.bounds, still[j].bounds)) one.level = Math.min(kMostLevels, still[j].level + 1);
@@ -18,15 +18,15 @@ function levels(objects) {
   return roundLevels(still.flatMap(({ object }) => roundSurfaces(object)), levelOf);
 }
 
-/// Whether two boxes meet, and have a side in the same plane that looks the same way.
+/// Whether two boxes meet, and have a side in the same plane that faces the same way.
 function mayCoincide(a, b) {
   const near = (x, y) => Math.abs(x - y) <= 1e-4;
   return [0, 1, 2].every((axis) => a.low[axis] <= b.high[axis] + 1e-4 && b.low[axis] <= a.high[axis] + 1e-4) &&
     [0, 1, 2].some((axis) => near(a.low[axis], b.low[axis]) || near(a.high[axis], b.high[axis]));
 }
 
-/// Levels by slot, none the same for two objects whose round surfaces coincide: capsules that share a ball, cylinders one
-/// behind the other. fixed: surfaces of other objects, which keep their levels of levelOf.
+/// Levels by slot, different for any two objects whose round surfaces coincide: capsules that share a ball, cylinders
+/// one behind the other. fixed: surfaces of other objects, which keep their levels of levelOf.
 function roundLevels(surfaces, levelOf, fixed = []) {
   const found = new Map(levelOf);
   const keys = new Set(surfaces.map(({ key }) => key));
@@ -43,8 +43,8 @@ function roundLevels(surfaces, levelOf, fixed = []) {
   return found;
 }
 
-/// The balls and tubes of an object in the world: {slot, key, center, axis, half (along the axis), slack, low, high (along x)}.
-/// Only those of one key can coincide.
+/// The balls and tubes of an object in the world: {slot, key, center, axis, half (along the axis), slack, low, high
+/// (along x)}. Only those of one key can coincide.
 function roundSurfaces(object) {
   return object.parts.filter(([kind]) => kind !== 1 && kind !== kHalfSpace).flatMap((part) => {
     const { kind, position, turn, half } = solidOf(part, object);
@@ -64,7 +64,7 @@ function roundSurfaces(object) {
   });
 }
 
-/// By slot, the slots of other objects with a surface in the same place.
+/// By slot, the slots of other objects with a coinciding surface.
 function coincidences(surfaces) {
   const found = new Map();
   const note = (a, b) => {
@@ -72,8 +72,8 @@ function coincidences(surfaces) {
     found.get(a).add(b);
   };
   surfaces.sort((a, b) => a.low - b.low);
-  let left = 200000;  // comparisons, for a picture must not wait
-  const open = new Map();  // by key, those that reach as far as this one begins
+  let left = 200000;  // comparisons, since a picture must not wait
+  const open = new Map();  // by key, those that reach the beginning of this one
   for (const one of surfaces) {
     const near = (open.get(one.key) ?? []).filter(({ high }) => high >= one.low);
     open.set(one.key, near);
@@ -89,7 +89,7 @@ function coincidences(surfaces) {
   return found;
 }
 
-/// Whether balls have the same middle, or tubes lie on one line and meet.
+/// Whether balls have the same centre, or tubes lie on one line and meet.
 function doCoincide(a, b) {
   const away = subtract(b.center, a.center);
   const along = dot(away, a.axis);

@@ -137,7 +137,7 @@ class Page {
     byId("fit").addEventListener("click", () => this.fitAll());
     byId("theme").addEventListener("click", () => this.setTheme(this.isNight() ? "paper" : "night"));
     byId("panels").addEventListener("pointerdown", () => { this.isPressed = true; });
-    // A release beside the window may not be heard of: a pointer that comes back without a button tells it.
+    // A release outside the window may be missed: a pointer that returns without a button reveals it.
     for (const kind of ["pointerup", "pointercancel", "pointermove"]) window.addEventListener(kind, (event) => { this.isPressed &&= event.buttons !== 0; });
   }
 
@@ -194,7 +194,8 @@ class Page {
     this.askOwners();
   }
 
-  /// Asks who moves what, at most every other second: where objects come and go all the time, that is enough.
+  /// Asks which publisher moves which objects, at most every other second: that is enough even if objects come and go
+  /// all the time.
   askOwners() {
     if (this.ownersTimer) return;
     this.ownersTimer = setTimeout(() => {
@@ -209,7 +210,7 @@ class Page {
     if (name !== null) byId("recording").replaceChildren("recording: ", nameElement(name));
   }
 
-  /// What is shown instead of an answer; the server answers about now, not about the past.
+  /// The text shown instead of an answer; the server answers about now, not about the past.
   whyNotSent() {
     return this.source.whyGone() || (this.timeline.closed ? "a recording is shown: no server answers about it" : "the past is shown, and the server answers about now: press live");
   }
@@ -272,7 +273,8 @@ class Page {
     if (before) this.camera.target = add(this.camera.target, subtract(followed.position, before));
   }
 
-  /// The objects that are named in the picture: the chosen one, and with labels what moves, then the rest, the large first.
+  /// The objects named in the picture: the chosen one, and with labels the moving ones, then the rest, large ones
+  /// first.
   labelled() {
     const chosen = this.world.objects.get(this.chosen);
     const first = chosen ? [chosen] : [];
@@ -286,7 +288,7 @@ class Page {
     return [...first, ...this.labelOrder.filter((object) => object !== chosen && !object.isHidden && !this.world.hasState(object.slot, kFaint))];
   }
 
-  /// A click is lost if what was pressed is made anew before it is released, so the panels stand still meanwhile.
+  /// A click is lost if the pressed element is rebuilt before the release, so the panels do not change meanwhile.
   showPanels() {
     if (this.isPressed) return;
     const now = performance.now();
@@ -402,7 +404,7 @@ class Page {
     this.camera.isTouched = false;
     this.changed();
   }
-  /// Brings some objects into the middle, from where they are seen with what is around them.
+  /// Centres some objects, at a distance that also shows their surroundings.
   frame(objects) {
     const bounds = new Bounds();
     for (const object of objects.filter((one) => one && !one.own.isEmpty())) {
@@ -498,7 +500,7 @@ class Page {
     if (label.hidden) return;
     const away = element("small", {}, `${lengthText(seen.range)} from the eye${this.asking.gap ? `, ${this.asking.gap}` : ""}`);
     label.replaceChildren(nameElement(object.name), " ", away);
-    // Beside the pointer, but never out of the picture, where panels are.
+    // Next to the pointer, but never outside the picture, where panels are.
     const [wide, high] = [label.offsetWidth, label.offsetHeight];
     const right = box.right - wide - 4;
     const x = this.pointer.x + 14;

@@ -1,5 +1,5 @@
-// Vectors are arrays of 3 numbers, quaternions [w, x, y, z]; all in doubles. What is sent to the graphics card is
-// relative to a point near by, so that its floats are precise a million metres from the origin too.
+// Vectors are arrays of 3 numbers, quaternions [w, x, y, z]; all in doubles. Values for the graphics card are relative
+// to a nearby point, so that its floats are precise a million metres from the origin too.
 
 const add = (a, b) => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 const subtract = (a, b) => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];

@@ -9,7 +9,7 @@ class Matrix {
   }
   forget() { this.text = this.shownAt = null; }
 
-  /// Once a second: what begins and ends faster cannot be read anyway.
+  /// Once a second: faster changes cannot be read anyway.
   show(contacts, now) {
     const wide = this.canvas.parentElement.clientWidth;
     const every_ms = 1000;

@@ -1,9 +1,9 @@
 const kOtherShown_ms = 1500;
 const kOthersEvery_ms = 250;
 
-/// What other clients ask, a sample of it, as faint marks that fade. Off until it is wanted: only then the server samples.
+/// A sample of other clients' questions, as faint marks that fade. Off by default: the server samples only on request.
 class Others {
-  /// on: {ask(question) -> its number, null where nobody answers; reach() -> metres that a ray is drawn; drawn()}
+  /// on: {ask(question) -> its number, null if there is no connection; reach() -> metres that a ray is drawn; drawn()}
   constructor(marks, on) {
     this.marks = marks;
     this.on = on;
@@ -16,7 +16,7 @@ class Others {
   }
   tell(text) { setText(byId("others-note"), text); }
 
-  /// Called for each picture. One question at a time, and a new one where there is no answer.
+  /// Called for each picture. One question at a time, and a new one if there is no answer.
   tick(now, isLive) {
     if (!this.switch.checked || !isLive) return this.forget();
     const patience_ms = 2000;
@@ -47,7 +47,7 @@ class Others {
     this.tell(why);
   }
 
-  /// As of the page's own questions, with fewer lines.
+  /// As for the page's own questions, with fewer lines.
   pieces({ kind, origin, direction, length: long, center, radius, half, orientation, point, answer, at }) {
     const isThere = (place) => place && place.every(Number.isFinite);
     const met = isThere(at) ? [dotAt(at, 4)] : [];

@@ -1,10 +1,10 @@
-/// Rows of a table: [name, text, text ..., isWrong]; names are isolated, the others are numbers at the right.
+/// Rows of a table: [name, text, text ..., isWrong]; names are isolated, the others are right-aligned numbers.
 function fillTable(table, rows) {
   keepChildren(table, rows.map(({ name, cells, isWrong }) => [`${name}\n${cells.join("\n")}\n${isWrong}`, () => element("tr", { class: isWrong ? "wrong" : "" },
     element("th", { scope: "row" }, shortNameElement(name)), ...cells.map((text) => element("td", {}, text)))]));
 }
 
-/// Remembers a few choices in the browser, where it lets a page do so.
+/// Remembers a few choices in the browser, if it lets a page do so.
 const remembered = {
   get(key, otherwise) {
     try {
@@ -20,7 +20,7 @@ const remembered = {
   },
 };
 
-/// The panels beside the picture that say what the server does.
+/// The panels next to the picture with the server's activity.
 class Panels {
   constructor() {
     this.publishers = [];
@@ -78,7 +78,7 @@ class Panels {
 
   showRecent(recent) {
     setText(byId("step"), recent.steps === null ? "not told" : `${rateText(recent.steps)}, ${durationText(recent.step_p50)} each`);
-    const least = 0.01;  // of a core: what does less has short bars
+    const least = 0.01;  // of a core: smaller loads have short bars
     const busy = Math.max(least, recent.stages.reduce((sum, { share }) => sum + share, 0));
     keepChildren(byId("stages"), recent.stages.map(({ stage, share }) => {
       const width = `${((100 * share) / busy).toFixed(1)}%`;
@@ -95,7 +95,8 @@ class Panels {
     fillTable(byId("kinds"), asked.map(({ kind, rate, p50, p99 }) => ({ name: kind, cells: [rateText(rate), durationText(p50), durationText(p99)] })));
   }
 
-  /// Lets the ages shown grow between two statuses. now: null while an instant of the past is shown, where they stand still.
+  /// Lets the ages shown grow between two statuses. now: null while an instant of the past is shown, where they are
+  /// fixed.
   showPublishers(now) {
     const since = now === null ? 0 : (now - this.publishersAt) / 1000;
     const mostShown = 24;

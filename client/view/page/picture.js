@@ -1,9 +1,9 @@
 const kSharpest = 2;
-// Coarser outlines would be seen to have steps, and save little: most of the time goes into the second pass. On a screen
-// with more than one pixel for each of CSS the whole picture may be coarser (Renderer.resize).
+// Coarser outlines would show steps, and save little: most of the time goes into the second pass. On a screen with more
+// than one pixel for each of CSS the whole picture may be coarser (Renderer.resize).
 const kCoarsest = 0.7;
 
-/// The picture: draws the world when something has changed, as sharp as there is time for.
+/// The picture: draws the world when something has changed, as sharp as time allows.
 class Picture {
   /// on: {failed(error)}: there is no picture from now on
   constructor(canvas, overlay, on) {
@@ -14,7 +14,7 @@ class Picture {
     this.marks = new Marks();
     this.isDirty = true;
     this.motionSharpness = 1;  // of pictures while something moves
-    this.median_ms = Infinity;  // that such a picture takes
+    this.median_ms = Infinity;  // time of such a picture
     try {
       this.renderer = new Renderer(canvas);
     } catch (failed) {
@@ -53,7 +53,7 @@ class Picture {
     return true;
   }
 
-  /// Whether the shaders are there; without WebGL's word that they are good there is no picture.
+  /// Whether the shaders are ready; until WebGL confirms them there is no picture.
   isPrepared() {
     try {
       return this.renderer.prepare();
@@ -75,7 +75,7 @@ class Picture {
     this.labels.draw(camera, this.size(), this.marks.texts, labelled());
   }
 
-  /// Where this picture differs from the last one, if the camera has stayed where it was (the renderer looks at that).
+  /// Where this picture differs from the last one, if the camera has not moved (the renderer checks that).
   changedRegion(world, camera, isStillChanged) {
     const [width, height] = this.size();
     const grow_px = 4;
@@ -94,7 +94,7 @@ class Picture {
     const away = length(subtract(camera.eye(), world.bounds.center()));
     const radius = world.bounds.radius();
     const far = Math.max(camera.distance * 4, away + radius * 8);
-    // Half the way to where things may be; an eye among them sees from a fiftieth of its distance on.
+    // Half the distance to the nearest possible object; an eye among them sees from a fiftieth of its distance on.
     const near = Math.max(far * 1e-5, camera.distance * 0.02, (away - radius * 1.1) * 0.5);
     return { near: Math.min(near, camera.distance * 0.5), far };
   }
@@ -112,8 +112,7 @@ class Picture {
     return this.median_ms * (finest / this.motionSharpness) ** 2 < most_ms ? finest : Math.max(1, this.motionSharpness);
   }
 
-  /// Takes the time of a picture, in ms. Pictures become coarser where they take too long, and finer where there is
-  /// time.
+  /// Takes the time of a picture, in ms. Pictures become coarser if they take too long, and finer if there is time.
   note(took) {
     if (took > 5000) return;  // the page was hidden
     this.frames.push(took);
@@ -133,7 +132,7 @@ class Picture {
     this.sinceChange = 0;
   }
 
-  /// What to say of it: how many pictures there are in a second, and whether they are coarser than the screen.
+  /// The quality as text: pictures per second, and whether they are coarser than the screen.
   qualityText() {
     const recent = this.frames.slice(-20);
     if (!this.renderer) return "";

@@ -1,7 +1,7 @@
 const kMostFileBytes = 1 << 30;
 
-/// Opens recordings: files that are dropped on the page or chosen, and what the server itself remembers. The viewer reads them, and
-/// returns them as runs, as saved pages have them.
+/// Opens recordings: files that are dropped on the page or chosen, and the server's own memory. The viewer reads them,
+/// and returns them as runs, like those of saved pages.
 class Recordings {
   /// on: {isSaved, ask(question) -> id or null, whyNotSent(), opened({entries, end}, name), say(text)}
   constructor(on) {

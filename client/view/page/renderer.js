@@ -1,5 +1,5 @@
 const kSolidLayout = [[1, 3], [2, 4], [3, 3], [4, 2]];  // [location, floats]: position, turn, half size, kind and slot
-const kMostPoint_px = 48;  // what is wider is drawn as a box, whose corners then cost less than the pixels beside the ball
+const kMostPoint_px = 48;  // wider ones are drawn as a box: its corners cost less than the pixels beside the ball
 const kPrograms = {
   standing: [kStillVertex, kTriangleFragment], placed: [kPlacedVertex, kTriangleFragment], box: [kBoxVertex, kBoxFragment],
   boxPoint: [kRoundPointVertex, kBoxPointFragment], ballPoint: [kBallPointVertex, kBallPointFragment], roundPoint: [kRoundPointVertex, kRoundFragment], roundBox: [kRoundBoxVertex, kRoundFragment],
@@ -7,7 +7,7 @@ const kPrograms = {
 };
 const focalPixels = (camera, [, height]) => height / (2 * camera.halfHeight);
 
-/// Draws a World with WebGL 2. The constructor throws where the browser has none.
+/// Draws a World with WebGL 2. The constructor throws if the browser has none.
 class Renderer {
   constructor(canvas) {
     const gl = canvas.getContext("webgl2", { antialias: false, alpha: false, depth: true, preserveDrawingBuffer: true, powerPreference: "high-performance" });
@@ -36,8 +36,8 @@ class Renderer {
     this.readTheme();
   }
 
-  /// Whether all shaders that the next picture needs are there. They are made when there is something to draw with them, all
-  /// at once and beside this thread where the browser can. Throws where one is refused.
+  /// Whether all shaders for the next picture are ready. They are made when there is something to draw with them, all
+  /// at once and on another thread if the browser can. Throws if one is refused.
   prepare() {
     const { stillSolids, movingSolids } = this;
     const counts = (of) => [stillSolids[of], movingSolids[of]];
@@ -67,7 +67,7 @@ class Renderer {
     return { program, shaders, places: null };
   }
 
-  /// Takes a program into use once it is complete; returns whether it is.
+  /// Uses a program once it is complete; returns whether it is.
   finish(begun) {
     const gl = this.gl;
     const { program, shaders } = begun;
@@ -118,7 +118,7 @@ class Renderer {
     return { array, buffer, floats, count: 0, room: 0 };
   }
 
-  /// Of primitives: the large ones first, as instances of a box, the small ones last, as points.
+  /// Instances of primitives: large ones first, as instances of a box, small ones last, as points.
   sizedInstances() {
     const gl = this.gl;
     const instances = this.instances(kSolidLayout, this.corners, 4);
@@ -161,8 +161,8 @@ class Renderer {
     Object.assign(instances, { all, count: large, small });
   }
 
-  /// Adds triangles: positions (3 floats each) and corners. With `slots`, one for each vertex, they stand where they are;
-  /// else they are drawn at the poses that place() gives. isStill: what moves them is only a new table.
+  /// Adds triangles: positions (3 floats each) and corners. With `slots`, one for each vertex, they are fixed; else
+  /// they are drawn at the poses given to place(). isStill: only a new table moves them.
   addMesh(origin, positions, corners, slots, isStill) {
     const gl = this.gl;
     const array = gl.createVertexArray();
@@ -196,7 +196,7 @@ class Renderer {
   setStates(states) { this.stateRows = this.rows(this.states, this.stateRows, states, 1, this.gl.R16UI, this.gl.RED_INTEGER, this.gl.UNSIGNED_SHORT); }
   setTints(tints) { this.tintRows = this.rows(this.tints, this.tintRows, tints, 4, this.gl.RGBA8, this.gl.RGBA, this.gl.UNSIGNED_BYTE); }
 
-  /// Sends rows of 1024 slots, each with so many parts; returns how many rows the texture then has.
+  /// Sends rows of 1024 slots, each with `parts` parts; returns the texture's number of rows.
   rows(texture, before, data, parts, format, layout, type) {
     const gl = this.gl;
     gl.bindTexture(gl.TEXTURE_2D, texture);
@@ -213,12 +213,12 @@ class Renderer {
       const text = style.getPropertyValue(name).trim();
       return [1, 3, 5].map((at) => parseInt(text.slice(at, at + 2), 16) / 255);
     };
-    this.stillKey = "";  // all of the picture has other colors, not only where things move
+    this.stillKey = "";  // the whole picture has other colors, not only the moving parts
     this.theme = { paper: color("--paper"), ink: color("--ink"), accent: color("--accent") };
   }
 
-  /// Makes the picture as large as its place on the screen. The first pass uses as much of its textures as its sharpness
-  /// says, so that another sharpness needs no new ones.
+  /// Makes the picture as large as its place on the screen. The first pass uses a part of its textures, by its
+  /// sharpness, so that another sharpness needs no new ones.
   resize() {
     const gl = this.gl;
     const ratio = window.devicePixelRatio || 1;
@@ -233,7 +233,7 @@ class Renderer {
     this.size = size;
     for (const frame of [this.whole, this.still]) this.release(frame);
     this.whole = this.firstPass(size);
-    // What stands still is kept in a second one, as long as that has a size that graphics cards of phones have room for.
+    // Static objects are kept in a second texture, as long as its size fits into the graphics cards of phones.
     const most = 5e6;
     this.still = size[0] * size[1] <= most ? this.firstPass(size) : null;
     this.stillKey = "";
@@ -271,8 +271,8 @@ class Renderer {
     }
   }
 
-  /// near, far: range of depths; anchor: the point that positions of instances are relative to; ground: its height
-  /// along `up`; stillVersion: changes with what stands still; region: [low x, low y, high x, high y], from 0 to 1, outside of
+  /// near, far: range of depths; anchor: the origin of instances' positions; ground: its height along `up`;
+  /// stillVersion: changes with the static objects; region: [low x, low y, high x, high y], from 0 to 1, outside of
   /// which nothing has changed, or null. Call resize() and prepare() before.
   draw(camera, { near, far, anchor, ground, grid, stillVersion, region }) {
     const gl = this.gl;
@@ -304,7 +304,7 @@ class Renderer {
     this.drawnPart = isWhole ? 1 : (region[2] - region[0]) * (region[3] - region[1]);
   }
 
-  /// Nothing is drawn outside of a region from here on.
+  /// After this nothing is drawn outside the region.
   limitTo(region, [width, height]) {
     const gl = this.gl;
     const [x, y] = [Math.floor(region[0] * width), Math.floor(region[1] * height)];
@@ -327,7 +327,7 @@ class Renderer {
     gl.blitFramebuffer(0, 0, width, height, 0, 0, width, height, gl.COLOR_BUFFER_BIT | gl.DEPTH_BUFFER_BIT, gl.NEAREST);
   }
 
-  /// Draws what stands still, or what moves.
+  /// Draws the static or the moving objects.
   drawPart({ matrix, eye, anchorFromEye, rays, focal }, isStill) {
     const gl = this.gl;
     gl.disable(gl.CULL_FACE);
@@ -411,7 +411,7 @@ class Renderer {
     gl.disable(gl.BLEND);
   }
 
-  /// The lines of a square grid on the ground, around what the camera looks at.
+  /// The lines of a square grid on the ground, around the camera's target.
   placeGrid(camera, eye, anchor, ground, grid) {
     const lines = 24;
     const [x, y, z] = camera.yIsUp ? [0, 2, 1] : [0, 1, 2];
@@ -438,7 +438,7 @@ class Renderer {
   }
 
   /// The object at a point of the picture (fractions of its width and height, from the lower left): slot, distance,
-  /// normal, and the middle of the pixel that was looked at, or null.
+  /// normal, and the middle of that pixel, or null.
   pick(x, y) {
     const gl = this.gl;
     if (!this.whole) return null;
@@ -452,9 +452,9 @@ class Renderer {
   }
 }
 
-/// A box as a strip of 12 triangles, counter-clockwise from outside: 14 corners, each with the number of the side that its
-/// triangle, of which it is the last corner, lies in (2 * axis, one more for the upper one).
-/// Source: Evans, Skiena, Varshney, "Optimizing triangle strips for fast rendering", 1996.
+/// A box as a strip of 12 triangles, counter-clockwise from outside: 14 corners, each with the number of the side that
+/// its triangle, of which it is the last corner, lies in (2 * axis, one more for the upper one). Source: Evans, Skiena,
+/// Varshney, "Optimizing triangle strips for fast rendering", 1996.
 function boxStrip() {
   const bits = [0x287a, 0x02af, 0x31e3];
   const places = Array.from({ length: 14 }, (_, i) => bits.map((of) => ((of >> i) & 1 ? 1 : -1)));

@@ -1,7 +1,7 @@
 const kAskEvery_ms = 500;
-const kNearestEvery_ms = 100;  // at most so often, and seldom enough that the server works on it a fifth of the time
+const kNearestEvery_ms = 100;  // at most this often, and rarely enough that the server works on it a fifth of the time
 
-/// The panel about the chosen object: what the server says of it, and what may be done.
+/// The panel about the chosen object: its details from the server, and its actions.
 class Selected {
   /// on: {ask(question) -> id or null, choose(slot), frame(object), follow(slot), isolate(slot), hide(object),
   /// nearest({from, to, text} or null)}
@@ -28,7 +28,8 @@ class Selected {
     this.show();
   }
 
-  /// Asks again for what changes, twice a second; while the page shows the past it shows what it remembers itself.
+  /// Repeats the questions about changing details, twice a second; while the page shows the past it shows its own
+  /// memory.
   tick(now, isLive) {
     const object = this.object();
     if (!object) return;
@@ -46,12 +47,12 @@ class Selected {
 
   // ---- what is nearest
 
-  /// Asks again after a pause that the last answer's time decides; called for each picture.
+  /// Asks again after a pause that depends on the last answer's time; called for each picture.
   tickNearest(now, isLive) {
     const object = this.object();
     if (!object || !isLive) return this.forgetNearest();
     if (now < this.nearestDue) return;
-    const patience_ms = 2000;  // an answer that has not come by then is not coming
+    const patience_ms = 2000;  // an answer that has not arrived by then is lost
     this.nearestDue = now + patience_ms;
     this.nearestAskedAt = now;
     this.on.ask({ ask: "nearest", name: object.name });

@@ -1,9 +1,10 @@
-// Second pass: paper and ink from what the first pass (shaders_seen.js) has seen; marks over it.
+// Second pass: paper and ink from the results of the first pass (shaders_seen.js); marks over it.
 
 const kWholeVertex = `#version 300 es
 void main() { gl_Position = vec4(vec2(gl_VertexID % 2, gl_VertexID / 2) * 4.0 - 1.0, 0.8, 1.0); }`;
 
-// Drawing without a graphics card works through every branch of a shader in every pixel, so this one has few and short ones.
+// Drawing without a graphics card works through every branch of a shader in every pixel, so this one has few and short
+// ones.
 const kInkFragment = `#version 300 es
 precision highp float;
 precision highp int;
@@ -99,8 +100,8 @@ void main() {
   gl_FragDepth = here.x == 0u && line == 0.0 ? 0.5 : 0.25;
 }`;
 
-// Lines, rings and dots over the picture; behind something they are paler and dashed, as a draughtsman would. The grid on
-// the ground is lines too, fainter the farther away.
+// Lines, rings and dots over the picture; behind something they are paler and dashed, as in a technical drawing. The
+// grid on the ground is lines too, fainter with distance.
 const kMarkVertex = `#version 300 es
 precision highp float;
 layout(location = 0) in vec2 a_corner;   // -1 to 1 across and along

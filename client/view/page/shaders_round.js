@@ -1,8 +1,8 @@
-// First pass, of what is round or small: rays are cast inside what covers it in the picture. What is large there is covered by the box
-// around it, seen from behind, so that an eye inside it sees it too; what is small by a point, a square of pixels, which
-// costs a twelfth of the triangles: without a graphics card these, not pixels, are what ten thousand small ones cost.
+// First pass, for round or small primitives: rays are cast inside a cover. Large ones are covered by the box around
+// them, seen from behind, so that an eye inside sees them too; small ones by a point, a square of pixels, which costs a
+// twelfth of the triangles: without a graphics card triangles, not pixels, are the cost of ten thousand small ones.
 
-// How wide a point must be to cover what reaches so far about its middle. The image of a ball is an ellipse, which reaches
+// The width of a point that covers a primitive of this radius. The image of a ball is an ellipse, which reaches
 // farthest away from the middle of the picture; 2 more pixels are for rounding.
 const kPointSize = `
 uniform float u_focal;  // pixels to 1 m at a distance of 1 m

@@ -1,10 +1,9 @@
-// First pass: what is seen in each pixel, as numbers: slot + 1, distance from the eye, normal and how much that
-// faces the eye (4 times 8 bits), which smooth side of the object. Boxes and meshes are triangles; what is round is cast by
-// rays (shaders_round.js).
-// The second pass (shaders_ink.js) makes paper and ink of these numbers.
+// First pass: the visible surface in each pixel, as numbers: slot + 1, distance from the eye, normal and how much that
+// faces the eye (4 times 8 bits), and the smooth side of the object. Boxes and meshes are triangles; round primitives
+// are cast by rays (shaders_round.js). The second pass (shaders_ink.js) makes paper and ink of these numbers.
 
-// By slot: bits 0 to 7 as in world.js (kMoves ...), bits 8 to 11 how far it gives way to others where faces coincide, bits 12
-// and 13 which sides of its triangles are left out (opening_of).
+// By slot: bits 0 to 7 as in world.js (kMoves ...), bits 8 to 11 its level where faces coincide, bits 12 and 13 which
+// sides of its triangles are left out (opening_of).
 const kStates = `
 uniform highp usampler2D u_states;
 uint state_of(uint slot) { return texelFetch(u_states, ivec2(slot % 1024u, slot / 1024u), 0).r; }
@@ -38,7 +37,7 @@ vec3 turned(vec4 q, vec3 v) { vec3 t = 2.0 * cross(q.yzw, v); return v + q.x * t
 vec3 turned_back(vec4 q, vec3 v) { return turned(vec4(q.x, -q.yzw), v); }
 `;
 
-// Triangles that stand still: one surface, every vertex with its object's slot.
+// Static triangles: one surface, every vertex with its object's slot.
 const kStillVertex = `#version 300 es
 precision highp float;
 layout(location = 0) in vec3 a_position;
@@ -89,7 +88,7 @@ void main() {
   write_seen(uint(v_slot_opening.x), length(v_from_eye), normal, -normalize(v_from_eye), 0u);
 }`;
 
-// A primitive, as solids.js writes it.
+// A primitive, as written by solids.js.
 const kSolidInstance = `
 layout(location = 1) in vec3 i_position;
 layout(location = 2) in vec4 i_turn;
@@ -99,7 +98,7 @@ uniform mat4 u_matrix;
 uniform vec3 u_anchor_from_eye;
 `;
 
-// Boxes, as the triangles that they are: an impostor's pixels each cost a ray.
+// Boxes, as triangles: each pixel of an impostor costs a ray.
 const kBoxVertex = `#version 300 es
 precision highp float;
 layout(location = 0) in vec4 a_corner;  // and the side of the triangle that ends here

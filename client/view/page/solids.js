@@ -2,7 +2,7 @@
 const kSolidFloats = 12;
 const kHalfSpace = 6;
 
-/// What decides which primitives are small in a picture; the key changes with it.
+/// Decides which primitives are small in a picture; the key changes with the result.
 function viewOf(camera, size, mostPoint) {
   const { back, right, up } = camera.axes();
   const eye = camera.eye();
@@ -11,9 +11,9 @@ function viewOf(camera, size, mostPoint) {
   return view;
 }
 
-/// The primitives of objects that all move, or all stand still.
+/// The primitives of objects that are all moving, or all static.
 class SolidSet {
-  /// Boxes that stand still are always triangles: where faces coincide, these know which is in front (placed_at in the shaders).
+  /// Static boxes are always triangles: where faces coincide, these know which is in front (placed_at in the shaders).
   constructor(solids, isStill) {
     const boxes = solids.filter(({ kind }) => kind === 1);
     this.boxes = isStill ? new StillInstances(boxes) : new SizedInstances(boxes);
@@ -34,7 +34,7 @@ class StillInstances {
     this.small = 0;
     this.data = new Float32Array(kSolidFloats * this.all);
   }
-  /// Returns whether the data are others than before.
+  /// Returns whether the data have changed.
   place(anchor) {
     if (this.isPlaced) return false;
     this.solids.forEach((solid, i) => writeInstance(solid, anchor, this.data, kSolidFloats * i));
@@ -43,8 +43,8 @@ class StillInstances {
   }
 }
 
-/// Instances of primitives: those that are large in the picture from the beginning of the data, the small ones up to
-/// its end; what is out of the picture is in between, where nobody looks.
+/// Instances of primitives: large ones from the beginning of the data, small ones up to its end; invisible ones are in
+/// between, where they are not drawn.
 class SizedInstances {
   constructor(solids) {
     this.solids = solids;
@@ -72,8 +72,8 @@ const kUnseen = 0;
 const kSmall = 1;
 const kLarge = 2;
 
-/// How something is seen that reaches so far about the position in the first three floats: not at all, small enough for a
-/// point, or large. A point is left out by WebGL where its middle is outside of the picture.
+/// How an instance of this reach about the position in the first three floats appears: not at all, small enough for a
+/// point, or large. WebGL omits a point whose middle is outside of the picture.
 function seenAs(data, reach, anchor, { eye, back, right, up, focal, halfWidth, halfHeight, mostPoint }) {
   const x = data[0] + anchor[0] - eye[0];
   const y = data[1] + anchor[1] - eye[1];
@@ -84,14 +84,14 @@ function seenAs(data, reach, anchor, { eye, back, right, up, focal, halfWidth, h
   const across = Math.abs(x * right[0] + y * right[1] + z * right[2]) / depth;
   const along = Math.abs(x * up[0] + y * up[1] + z * up[2]) / depth;
   const wide = reach / depth;
-  // A ball beside the middle of the picture looks larger by 1 + across^2 + along^2, and seen from near by up to 0.4.
+  // A ball away from the middle of the picture looks larger by 1 + across^2 + along^2, and from near by up to 0.4.
   const grown = 1.4 * wide * (1 + across * across + along * along);
   if (across - grown > halfWidth || along - grown > halfHeight) return kUnseen;
   if (across > halfWidth || along > halfHeight) return kLarge;
   return 2 * focal * grown + 2 > mostPoint ? kLarge : kSmall;
 }
 
-/// Writes the floats of an instance, without making anything new: ten thousand of them move in each picture.
+/// Writes the floats of an instance, without allocation: ten thousand of them move in each picture.
 function writeInstance({ object, kind, position, turn: b, half }, anchor, data, at) {
   const px = position[0];
   const py = position[1];
@@ -130,7 +130,7 @@ function solidOf(part, object, reach = 1) {
   if (kind === 0) return { object, kind, position: center, turn: [1, 0, 0, 0], half: [n[3], n[3], n[3]] };
   if (kind === 1 || kind === 5) return { object, kind, position: center, turn: n.slice(3, 7), half: n.slice(7, 10) };
   if (kind === kHalfSpace) {
-    // A half-space is drawn as a slab as wide as everything else, with its upper side in the plane.
+    // A half-space is drawn as a slab as wide as the rest of the scene, with its upper side in the plane.
     const thickness = reach * 1e-3;
     const normal = normalized(n.slice(3, 6));
     return { object, kind: 1, position: subtract(center, scale(normal, thickness)), turn: turnFromZ(normal), half: [3 * reach, 3 * reach, thickness] };

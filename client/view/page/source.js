@@ -101,8 +101,8 @@ class LiveSource {
     };
   }
 
-  /// The viewer sends something twice a second; a connection that brings nothing for five looks, one a second, is closed. The
-  /// clock would not do: a page that was busy for as long has what came meanwhile still before it.
+  /// The viewer sends something twice a second; a connection without data for five looks, one a second, is closed. The
+  /// clock would not do: a page that was busy for that long still has unread messages.
   lookForSilence() {
     if (this.socket.readyState !== WebSocket.OPEN || ++this.silentLooks < 5) return;
     const silent = this.socket;
@@ -135,7 +135,7 @@ class LiveSource {
         const table = await reply.json();
         const surfaces = await this.surfaces.all(table);
         this.tell("table", { table, surfaceOf: surfaces.of });
-        // The world has changed meanwhile, and the surfaces of this table are gone.
+        // The world has changed meanwhile, and the surfaces of this table no longer exist.
         if (surfaces.missing > 0) setTimeout(() => this.fetchTable(wanted), 500);
       }
     } catch (failed) {
@@ -145,7 +145,7 @@ class LiveSource {
     }
   }
 
-  /// Why questions cannot be sent; empty where they can.
+  /// Why questions cannot be sent; empty if they can.
   whyGone() { return this.socket.readyState === WebSocket.OPEN ? "" : "the viewer is gone: the server was not asked"; }
   /// Returns whether it was sent.
   ask(question) {
@@ -155,8 +155,8 @@ class LiveSource {
   }
 }
 
-/// A run that `collide view --save` wrote into this file, or that the viewer made of a recording (client/view/run_writer.hpp). All of
-/// it is passed on once, each message with its time.
+/// A run that `collide view --save` wrote into this file, or that the viewer made of a recording
+/// (client/view/run_writer.hpp). It is passed on once as a whole, each message with its time.
 class SavedSource {
   /// keep(t, kind, value): t in seconds from the beginning
   constructor(run, keep) {

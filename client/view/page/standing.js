@@ -1,7 +1,8 @@
-/// The object in whose frame the lines of a standing question are; "": they are in the world.
+/// The object in whose frame a standing question's lines are; "": they are in the world.
 const carrierOf = ({ form, to, about }) => ({ region: to, bands: about })[form] ?? "";
 
-/// Standing questions: regions, bands about objects, and lines to what is nearest; where they are, and what they hold.
+/// Standing questions: regions, bands about objects, and lines to the nearest; their places, and the objects that they
+/// hold.
 class Standing {
   constructor() {
     this.all = [];
@@ -25,7 +26,8 @@ class Standing {
     return isNew || this.all.some(({ carrier }) => carrier);
   }
 
-  /// Calls draw(from, to, row) for each piece of a line, in the world. Lines whose carrier is not there have no place.
+  /// Calls draw(from, to, row) for each piece of a line, in the world. Lines whose carrier does not exist have no
+  /// place.
   forEachPiece(world, draw) {
     for (const row of this.all) {
       const carrier = row.carrier ? world.byName.get(row.carrier) : null;
@@ -48,7 +50,7 @@ class Standing {
 
 const kMostStandingListed = 200;
 
-/// The panel that lists them; those that hold something come first. A click brings one into the picture.
+/// The panel that lists them; those that hold an object come first. A click brings one into the picture.
 class StandingList {
   /// on: {frame(row)}
   constructor(on) {
@@ -65,7 +67,7 @@ class StandingList {
     byId("standing").replaceChildren(...order.map((row) => this.row(row)));
   }
 
-  /// What follows the name: the carrier of a region, the band and its object, or how far what is nearest is from what.
+  /// The text after the name: the carrier of a region, the band and its object, or the distance of the nearest.
   place({ form, to, about, band, distance }) {
     if (form === "region") return to ? [element("small", {}, " on ", nameElement(to))] : [];
     if (form === "bands") return [` ${lengthText(band)} about `, nameElement(about)];

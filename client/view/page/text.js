@@ -49,9 +49,9 @@ function clockText(seconds) {
   return new Date(seconds * 1000).toLocaleTimeString("en-GB") + (seconds % 1).toFixed(3).slice(1);
 }
 
-/// Signs that cannot be seen, and those that turn the order of others around, are written out: "\u202e".
+/// Invisible characters, and those that reverse the order of others, are written out: "\u202e".
 const visible = (name) => name.replace(/[\p{Cc}\u200b-\u200f\u2028-\u202e\u2060-\u2069\ufeff]/gu, (sign) => `\\u${sign.codePointAt(0).toString(16).padStart(4, "0")}`);
-/// The direction of a name must not turn what stands beside it around.
+/// The direction of a name must not reverse adjacent text.
 const isolated = (name) => `\u2068${visible(name)}\u2069`;
 
 /// An element with attributes and children; texts are never read as HTML.
@@ -64,10 +64,10 @@ function element(tag, attributes = {}, ...children) {
   made.append(...children);
   return made;
 }
-/// A long name breaks after its slashes where it can.
+/// A long name breaks after its slashes if possible.
 const nameElement = (name) => element("bdi", {}, ...visible(name).split("/").flatMap((part, i, all) => (i + 1 < all.length ? [`${part}/`, element("wbr")] : [part])));
 
-/// The beginning and the end of a long name: in lists, one name must not push all others away.
+/// The beginning and the end of a long name: in lists, one name must not displace all others.
 const shortName = (name) => ([...name].length > 40 ? `${[...name].slice(0, 18).join("")}…${[...name].slice(-18).join("")}` : name);
 function shortNameElement(name) {
   const made = nameElement(shortName(name));
@@ -75,13 +75,13 @@ function shortNameElement(name) {
   return made;
 }
 
-/// Makes an element's children those of a list, each made anew only where its key has changed: what stays as it is need not
-/// be laid out and painted again. items: [[key, make()]].
+/// Makes an element's children those of a list, rebuilding only those with a changed key: the others need not be laid
+/// out and painted again. items: [[key, make()]].
 function keepChildren(parent, items) {
   items.forEach(([key, make], i) => {
     const known = parent.children[i];
     if (known && known.key === key) return;
-    // After an insertion the next ones are found one place on.
+    // After an insertion the next children are found one position later.
     const later = parent.children[i + 1];
     if (known && later && later.key === key) return known.remove();
     const made = make();
@@ -95,12 +95,12 @@ function keepChildren(parent, items) {
 function setText(node, text) {
   if (node.textContent !== text) node.textContent = text;
 }
-/// The pen of a canvas that is drawn by the processor: with a graphics card that is none, it is far faster.
+/// The pen of a canvas that is drawn by the processor: far faster without a real graphics card.
 const penOf = (canvas) => canvas.getContext("2d", { willReadFrequently: true });
 const byId = (id) => document.getElementById(id);
 
 const isGlob = (text) => /[*?[]/.test(text);
-/// A name glob (* ? [..]) as a regular expression, case-insensitive; a text without these signs is looked for anywhere.
+/// A name glob (* ? [..]) as a regular expression, case-insensitive; a text without these characters is found anywhere.
 function globExpression(glob) {
   if (!isGlob(glob)) return new RegExp(glob.replace(/[.+^${}()|\\\]]/g, "\\$&"), "iu");
   let text = "";
@@ -118,6 +118,6 @@ function globExpression(glob) {
   try {
     return new RegExp(`^${text}$`, "isu");
   } catch {
-    return /$^/u;  // "[z-a]": a range that holds nothing
+    return /$^/u;  // "[z-a]": an empty range
   }
 }

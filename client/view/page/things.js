@@ -1,5 +1,5 @@
-/// The objects as a tree: scenes and publishers, what belongs to each, and the parts of that. Only the rows that are seen exist, so a hundred
-/// thousand objects scroll like ten.
+/// The objects as a tree: scenes and publishers, their objects, and the parts of those. Only visible rows exist, so a
+/// hundred thousand objects scroll like ten.
 class Things {
   /// on: {choose(slot), frame(object), changed()}
   constructor(world, on) {
@@ -23,7 +23,7 @@ class Things {
 
   rowHeight() { return this.coarse.matches ? 44 : 24; }
 
-  /// Which group an object belongs to: what moves to its publisher, the rest to its scene.
+  /// The group of an object: moving ones belong to their publisher, the rest to their scene.
   groupOf(object) {
     if (object.publisher) return ["publisher", object.publisher];
     if (object.scene) return ["scene", object.scene];
@@ -74,7 +74,7 @@ class Things {
     else this.list.removeAttribute("aria-activedescendant");
   }
 
-  /// Changes with what a row shows.
+  /// Changes with the content of a row.
   rowKey(i, height) {
     const { group, object, part } = this.rows[i];
     const cursor = i === this.cursor;
@@ -179,7 +179,7 @@ class Things {
     this.showRows();
   }
 
-  // ---- what is seen in the picture
+  // ---- what is visible in the picture
 
   hide(objects, isHidden) {
     for (const object of objects) {
@@ -204,14 +204,14 @@ class Things {
     this.on.changed();
   }
 
-  /// The answer to "owners": which publisher moves what.
+  /// The answer to "owners": the objects that each publisher moves.
   setOwners(owners) {
     for (const { publisher, slots } of owners) for (const slot of slots) if (this.world.objects.has(slot)) this.world.objects.get(slot).publisher = publisher;
     this.build();
   }
 }
 
-/// A scene's name stands before those of its objects; below the scene it says nothing.
+/// A scene's name precedes those of its objects; below the scene it is redundant.
 function nameWithin({ kind, name }, object) {
   const isPrefix = kind === "scene" && object.name.startsWith(`${name}/`) && object.name.length > name.length + 1;
   return isPrefix ? object.name.slice(name.length + 1) : object.name;
@@ -219,7 +219,7 @@ function nameWithin({ kind, name }, object) {
 
 const partCount = ({ parts, runs }) => parts.length + runs.length;
 
-/// What an object consists of, a text for each part, the first thousand.
+/// The parts of an object, a text for each, the first thousand.
 function partTexts({ parts, runs }) {
   const mostTold = 1000;
   const told = [...runs.map(([, , triangles]) => `mesh, ${countText(triangles)} triangles`), ...parts.map(partText)];

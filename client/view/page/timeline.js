@@ -2,11 +2,11 @@ const kRemembered_s = 30;
 const kMostRemembered = 64 << 20;
 const kSpeeds = [0.1, 0.25, 0.5, 1, 2, 4];
 
-/// The time that is shown: now, or an instant of what the page remembers. Passes on to the page what holds then, and runs
-/// the bar below the picture.
+/// The time shown: now, or an instant in the page's memory. Passes on to the page the state of that time, and runs the
+/// bar below the picture.
 ///
-/// show: {table({table, surfaceOf}), poses(frame), contacts(Contacts), events(events), message(kind, value), goTo(event),
-/// closed() (a recording)}
+/// show: {table({table, surfaceOf}), poses(frame), contacts(Contacts), events(events), message(kind, value),
+/// goTo(event), closed() (a recording)}
 class Timeline {
   constructor(show, isSaved) {
     this.show = show;
@@ -24,12 +24,12 @@ class Timeline {
 
   now() { return performance.now() / 1000; }
 
-  /// t: when it was heard; for what comes live, now.
+  /// t: when it was received; now for live messages.
   hear(kind, value, t = this.now()) {
     const history = this.closed?.history ?? this.history;
     const isKept = ["poses", "table", "contacts", "events", "status", "standing"].includes(kind);
     if (isKept) history.add(t, kind, value);
-    // While a recording is open, slots and names mean its objects, not the server's.
+    // While a recording is open, slots and names refer to its objects, not the server's.
     if (this.closed && !["hello", "connected"].includes(kind) && value.ask !== "memory") return;
     if (!this.isLive && (isKept || kind === "silent")) return;
     if (kind === "table") this.shownTable = value;
@@ -74,7 +74,7 @@ class Timeline {
     this.update();
   }
 
-  /// Shows a recording (Recordings) instead of what comes in, which is kept meanwhile; live() goes back to it.
+  /// Shows a recording (Recordings) instead of live messages, which are kept meanwhile; live() returns to them.
   open({ entries, end }) {
     this.closed ||= { history: this.history, isSaved: this.isSaved };
     this.history = new History(Infinity, Infinity);
@@ -94,14 +94,14 @@ class Timeline {
 
   /// Shows an instant, and stays there unless it plays.
   goTo(t) {
-    const before = this.isLive ? Infinity : this.at;  // while it is live, `at` is where it was paused last
+    const before = this.isLive ? Infinity : this.at;  // while it is live, `at` is the last pause
     this.isLive = false;
     this.at = Math.max(this.begin(), Math.min(this.end(), t));
     this.showAll(this.at, before);
     this.update();
   }
 
-  /// Shows what holds at t. From an instant shortly before, contacts change event by event, so that they flash.
+  /// Shows the state at t. From an instant shortly before, contacts change event by event, so that they flash.
   showAll(t, before = Infinity) {
     const table = this.history.tableAt(t);
     if (table && table.value !== this.shownTable) {
@@ -126,7 +126,7 @@ class Timeline {
     this.shownStatus = status;
   }
 
-  /// Lets time go on; called for each picture.
+  /// Advances time; called for each picture.
   tick(now_ms) {
     const passed = Math.min(0.5, (now_ms - (this.tickedAt ?? now_ms)) / 1000);
     this.tickedAt = now_ms;
@@ -180,7 +180,7 @@ class Timeline {
     this.valueText = text;
   }
 
-  /// Draws events as ticks above the slider, once a second while time goes on.
+  /// Draws events as ticks above the slider, once a second while time advances.
   showTicks(now) {
     this.update();
     const every_ms = 1000;

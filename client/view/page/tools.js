@@ -1,4 +1,5 @@
-// What a click or a drag in the picture asks. A ray needs only a direction; the others need places in the world.
+// The questions asked by a click or a drag in the picture. A ray needs only a direction; the others need places in the
+// world.
 const kTools = ["ray", "sphere", "box", "near", "sweep", "pair"];
 const kToolHints = {
   ray: "asks a ray", sphere: "or drag asks what touches a ball", box: "or drag asks what touches a box", near: "asks what is nearest", sweep: "twice or drag sweeps a ball", pair: "on two things compares them",
@@ -49,7 +50,7 @@ class Tools {
     return point.map((part) => Number(part.toFixed(digits)) + 0);
   }
 
-  /// What is seen there, or the ground behind it, or a place as far away as what one looks at: {point, normal, slot}.
+  /// The visible point, or the ground behind it, or a place at the camera's target distance: {point, normal, slot}.
   placeAt(x, y) {
     const eye = this.camera.eye();
     const seen = this.on.pick(x, y);
@@ -68,7 +69,7 @@ class Tools {
   }
   upAxis() { return this.camera.yIsUp ? 1 : 2; }
 
-  /// Where a drag leads from a point: along the ground, or across a view that hardly sees the ground.
+  /// The target of a drag from a point: along the ground, or across a view in which the ground is nearly edge-on.
   placeInPlane(x, y, point, isFacing) {
     const { back } = this.camera.axes();
     const up = [0, 0, 0];
@@ -112,7 +113,7 @@ class Tools {
   }
   askSweep(from, to) { this.on.ask({ ask: "sweep", radius: this.size(), from, to: this.rounded(to) }); }
 
-  /// Returns whether the drag is the tool's; else it turns the camera.
+  /// Returns whether the drag belongs to the tool; else it turns the camera.
   beginDrag(x, y) {
     if (!this.drags()) return false;
     const place = this.placeAt(x, y);
@@ -178,7 +179,7 @@ function questionPieces(question) {
   return [];
 }
 
-/// What the answer adds to its question's shape: {pieces, texts [{point, text}]}.
+/// The answer's additions to its question's shape: {pieces, texts [{point, text}]}.
 function answerPieces(question, answer) {
   const pieces = questionPieces(question);
   const texts = [];

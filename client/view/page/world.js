@@ -13,7 +13,7 @@ const kOpen = 1 << 12;
 const kOpenInsideOut = 1 << 13;
 const kPlacedFloats = 8;
 
-/// The server's objects, as what the renderer draws. Without a renderer it only keeps the objects.
+/// The server's objects, as drawn by the renderer. Without a renderer it only keeps the objects.
 class World {
   constructor(renderer) {
     this.renderer = renderer;
@@ -27,7 +27,7 @@ class World {
     this.tints = new Uint8Array(4 * 1024);
     this.tableVersion = null;
     this.version = 0;       // of the table as it is shown
-    this.stillVersion = 0;  // changes with what stands still in the picture
+    this.stillVersion = 0;  // changes with the static parts of the picture
     this.solids = { still: new SolidSet([], true), moving: new SolidSet([], false) };
     this.placedMeshes = [];  // {mesh, objects, data}
     this.worldTime = 0;
@@ -51,7 +51,7 @@ class World {
         object.isHidden = known.isHidden;
         object.publisher = known.publisher;
         object.movedAt = known.movedAt;
-        // A frame that is newer than the table may have come already.
+        // A frame that is newer than the table may have arrived already.
         if (known.frame > table.version) {
           object.position = known.position;
           object.turn = known.turn;
@@ -107,14 +107,14 @@ class World {
       this.bounds.extend(placed.high);
     }
     this.movers = table.objects.filter(({ moving }) => moving);
-    const mostShells = 64;  // each is compared with all that moves
+    const mostShells = 64;  // each is compared with all moving objects
     this.shells = table.objects.filter(({ shell, moving }) => shell && !moving).sort((a, b) => b.own.radius() - a.own.radius()).slice(0, mostShells);
     this.anchor = this.bounds.center().map(Math.round);
   }
 
   buildMeshes(table, surfaceOf) {
     for (const mesh of [...this.renderer.meshes]) this.renderer.removeMesh(mesh);
-    const still = new Map();   // surface: runs that stand where they are
+    const still = new Map();   // surface: runs of fixed triangles
     const placed = new Map();  // "number first count moving": objects
     for (const object of table.objects) {
       for (const [number, first, count] of object.runs) {
@@ -170,7 +170,7 @@ class World {
         isElsewhere ||= turn[part] !== numbers[at + 3 + part];
         turn[part] = numbers[at + 3 + part];
       }
-      // Also where the page goes back in time.
+      // Also if the page goes back in time.
       if (isElsewhere || object.movedAt > frame.worldTime) object.movedAt = frame.worldTime;
       object.frame = frame.version;
       if (Boolean(this.states[object.slot] & kStale) !== Boolean(stale[i])) this.setState(object.slot, kStale, Boolean(stale[i]));
@@ -178,8 +178,8 @@ class World {
     this.arePlacesNew = true;
   }
 
-  /// Sends what has changed since the last picture: where what moves is, and, with another view, what is small in it. size: of
-  /// the first pass, in pixels.
+  /// Sends changes since the last picture: poses of moving objects and, with another view, which are small in it. size:
+  /// of the first pass, in pixels.
   send(camera, size) {
     const { renderer } = this;
     const view = viewOf(camera, size, renderer.mostPoint);
@@ -202,7 +202,7 @@ class World {
     this.renderer.fill(mesh, data, objects.length);
   }
 
-  /// Opens what encloses something that moves towards the eye, so that one can look into it.
+  /// Opens objects that enclose a moving one towards the eye, so that one can look into them.
   openShells() {
     const { movers } = this;
     for (const object of this.shells) {
@@ -211,7 +211,7 @@ class World {
     }
   }
 
-  /// Gives different levels to what moves and coincides with something, as the parts of an arm do at its joints.
+  /// Gives different levels to moving objects that coincide with others, as the parts of an arm do at its joints.
   levelMovers() {
     const levelOf = roundLevels(this.movers.flatMap(roundSurfaces), this.stillLevels, this.stillRound);
     for (const { slot } of this.movers) this.changeState(slot, (this.states[slot] & ~kLevelBits) | ((levelOf.get(slot) ?? 0) << kLevelShift));
@@ -234,12 +234,13 @@ class World {
     this.statesChanged = this.stillStatesChanged = false;
   }
 
-  /// Where in the picture things may have moved: from 0 to 1, grown by so much; null where that is unknown.
+  /// The region of the picture in which things may have moved: from 0 to 1, grown by growX and growY; null if it is
+  /// unknown.
   movingRegion(camera, growX, growY) {
     const region = [1, 1, 0, 0];
     const { back, right, up } = camera.axes();
     const eye = camera.eye();
-    // As Camera.project does, for ten thousand in each picture.
+    // Same as Camera.project, for ten thousand in each picture.
     for (const { position, reach } of this.movers) {
       const x = position[0] - eye[0];
       const y = position[1] - eye[1];
@@ -272,8 +273,8 @@ function extendRegion(region, x, y, reachX, reachY) {
   region[3] = Math.min(1, Math.max(region[3], y + reachY));
 }
 
-/// Whether an object is a room that others may be in: 1 for a box or a closed mesh that fills most of its bounds, 2 for one
-/// whose triangles are inside out, 0 for all others.
+/// Whether an object is a room that others may be in: 1 for a box or a closed mesh that fills most of its bounds, 2 for
+/// one whose triangles are inside out, 0 for all others.
 function shellOf(object, surfaceOf) {
   if (object.parts.length === 1 && object.runs.length === 0) return object.parts[0][0] === 1 ? 1 : 0;
   if (object.parts.length > 0 || object.runs.length !== 1 || object.own.isEmpty()) return 0;
@@ -296,12 +297,13 @@ function isWithin(object, mover) {
   return [0, 1, 2].every((axis) => local[axis] > object.own.low[axis] && local[axis] < object.own.high[axis]);
 }
 
-/// Whether the server ever lets two objects meet: by their layers and masks, groups, and whether one of them moves.
+/// Whether the server tests two objects against each other: by their layers and masks, groups, and whether one of them
+/// moves.
 function mayMeet(a, b) {
   return (a.moving || b.moving) && (a.layers & b.mask) !== 0 && (b.layers & a.mask) !== 0 && !(a.group !== 0 && a.group === b.group);
 }
 
-/// The bounds of an object where it is; those of one that is turned may be too wide.
+/// The bounds of an object at its pose; those of a turned one may be too wide.
 function placedBounds(object) {
   const placed = new Bounds();
   for (const corner of object.own.corners()) placed.extend(add(object.position, rotate(object.turn, corner)));
