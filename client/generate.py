@@ -3,12 +3,12 @@
 generate.py BUILD_FOLDER INCLUDE_FOLDER
 
 include/collided/events.h            C: the struct of a contact event
-client/library/c/event_fields.hpp    C++: the fields of events in JSON, and a contact event as its C struct, whose texts are lent
-client/python/collided/_events.py    Python: the events as dataclasses, with the places of their members in JSON
+client/library/c/event_fields.hpp    C++: the fields of events in JSON, and a contact event as its C struct with borrowed texts
+client/python/collided/_events.py    Python: the events as dataclasses, with the JSON names of their members
 client/python/collided/_structs.py   Python: structs, functions and constants of the C interface for ctypes
 
-In C a member has its unit at the end, as in C++, and a time is in nanoseconds. In Python a length or speed has none, and the two
-ends of an interval are one tuple."""
+In C a member's name ends with its unit, as in C++, and a time is in nanoseconds. In Python a length or speed has no unit, and the
+two ends of an interval are one tuple."""
 import collections
 import keyword
 import pathlib
@@ -17,7 +17,7 @@ import sys
 import textwrap
 
 EVENTS = {"Event": "events.hpp", "StandingEvent": "standing.hpp"}
-# The one that C has as a struct too, for reading many at once.
+# The event that C also has as a struct, for reading many at once.
 IN_BULK = "Event"
 WIDTH = 120
 NUMBERS = ("uint8_t", "int32_t", "int64_t", "uint32_t", "uint64_t", "size_t", "double", "float", "char")
@@ -74,7 +74,7 @@ def members_of(name, body, structs):
 
 
 def codes_in(headers):
-    """The enumerations of codes.hpp by the names that the headers give them."""
+    """The enumerations of codes.hpp by their names in the headers."""
     return {name or code: code for name, code in re.findall(r"^using (?:(\w+) = )?codes::(\w+);", headers, re.MULTILINE)}
 
 
@@ -182,7 +182,7 @@ def name_in_json(member):
 
 
 def documented(comment, members):
-    """A class's docstring: what it is, and what its members mean."""
+    """A class's docstring: its description and that of its members."""
     def in_python(text):
         return re.sub(r"\b([a-z]\w*)_m(?:ps)?\b", r"\1", text.replace("::", ".").replace("0xffffffff", "None"))
 
@@ -202,7 +202,7 @@ def python_field(name, hint, metadata):
 
 
 def python_members(event, codes):
-    """name, annotation, metadata and comment; an interval once."""
+    """name, annotation, metadata and comment of each member; an interval once."""
     for member in event.members:
         name, in_json, ends = python_name(member), name_in_json(member), []
         if member.name.endswith("_high_s"):
@@ -242,7 +242,7 @@ def class_of(struct):
 
 
 def ctype_of(declared, structs):
-    """name, type as ctypes has it, of a member, a parameter or a result ("int", "const char* name", "double point[3]")."""
+    """name and ctypes type of a member, a parameter or a result ("int", "const char* name", "double point[3]")."""
     kind, stars, name, count = re.fullmatch(r"(?:const )?(\w+)((?: ?const)?[* ]*(?:const)?[* ]*?) ?(\w*)(?:\[(\d+)\])?", declared).groups()
     pointers = stars.count("*")
     struct = kind.removeprefix("collided_")
@@ -287,7 +287,7 @@ OUTPUTS = {"include/collided/events.h": events_h, "client/library/c/event_fields
 
 
 def write(path, text):
-    # Unchanged, it keeps its time, and nothing is compiled again.
+    # An unchanged file keeps its time, so that nothing is compiled again.
     if not path.exists() or path.read_text(encoding="utf-8") != text:
         path.parent.mkdir(parents=True, exist_ok=True)
         path.write_text(text, encoding="utf-8")

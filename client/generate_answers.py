@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Writes the answers that C++ declares as Python dataclasses.  generate_answers.py BUILD_FOLDER SOURCES
+"""Writes the answers declared in C++ as Python dataclasses.  generate_answers.py BUILD_FOLDER SOURCES
 
 client/python/collided/_schema.py  a frozen dataclass for each described struct of a public header, and for those
-                                   that come by the C interface
+                                   of the C interface
 
-A member has the name that generate.py gives to members of events. Its name in JSON is in the metadata if that is another one;
-_described.py reads the answers by these names."""
+Members are named as generate.py names members of events. A different name in JSON is in the metadata; _described.py reads the
+answers by these names."""
 import collections
 import pathlib
 import re
@@ -15,9 +15,9 @@ from generate import bare, codes_in, documented, members_of, name_in_json, pytho
 
 HEADERS = ("idl/include/collided", "client/include/collided")
 DESCRIPTIONS = ("idl/answers", "client/library/watching", "client/library/connection")
-# Arguments, a picture, and answers of which the calls of a Client return the one number that programs use.
+# Arguments, drawing data, and answers that the functions of Client reduce to one number.
 LEFT_OUT = ("LoadOptions", "OutlinedStanding", "Added", "Moved", "Removed", "RuleChanged", "Attached")
-# These come by the C interface, with all their members.
+# Passed through the C interface, with all their members.
 BY_C = ("Hit", "VoxelScan")
 PLAIN = {"bool": "bool", "string": "str", "double": "float", "Vec3": "Vector", "Pose": "Pose", "chrono::nanoseconds": "int",
          "uint32_t": "int", "uint64_t": "int", "size_t": "int", "Event": "Event", "StandingEvent": "StandingEvent"}
@@ -25,11 +25,11 @@ PLAIN = {"bool": "bool", "string": "str", "double": "float", "Vec3": "Vector", "
 Struct = collections.namedtuple("Struct", "name comment base members aliases")
 
 
-# ---- what is declared and described ------------------------------------------------------------------------------------
+# ---- declarations and descriptions -------------------------------------------------------------------------------------
 
 
 def structs_in(text, around=""):
-    """The structs of a header, and those within them, by their names in C++."""
+    """The structs of a header and their nested structs, by their names in C++."""
     found = {}
     declared = re.compile(r"((?:^///?[^\n]*\n)*)^struct (\w+)(?: : (\w+))? \{\n(.*?)^\};\n", re.MULTILINE | re.DOTALL)
     for comment, name, base, body in declared.findall(text):
@@ -42,8 +42,8 @@ def structs_in(text, around=""):
 
 
 def described_in(text):
-    """The names that the described members of each struct have in JSON; None: their own ones. A time in seconds stands there in
-    nanoseconds as well (client/library/c/client.cpp)."""
+    """The JSON names of each struct's described members; None: their own names. JSON has times in seconds also in nanoseconds
+    (client/library/c/client.cpp)."""
     found = {}
     for name, line, lines in re.findall(r"^constexpr auto fields_of\(const ([\w:]+)\*\) \{(?: ([^\n]*) \}|\n(.*?)^\})$", text,
                                         re.MULTILINE | re.DOTALL):
@@ -65,7 +65,7 @@ def class_name(name):
 
 
 class Types:
-    """The types of C++ in Python."""
+    """Python types for those of C++."""
 
     def __init__(self, structs, described, enumerations):
         self.structs, self.described, self.enumerations = structs, described, enumerations
@@ -92,14 +92,14 @@ class Types:
         return "str" if declared.rpartition("::")[2] in self.enumerations else PLAIN[declared]
 
     def needed(self, struct):
-        """The structs that it is made of."""
+        """The structs that a struct contains."""
         words = [struct.base, *(word for member in struct.members for word in re.findall(r"[\w:]+", member.type))]
         return [found for word in words if word and (found := self.struct_of(word, struct.name))]
 
 
 def fields_of(struct, types, codes, words):
-    """name, annotation, metadata and comment of the members. One that is a described answer of its own, and not described as a
-    member, stands in the same row."""
+    """name, annotation, metadata and comment of the members. A member that is itself a described answer, but not described as
+    a member, is read from the same row."""
     for member in struct.members:
         if member.name in types.described[struct.name]:
             in_json = types.described[struct.name][member.name] or name_in_json(member)

@@ -1,14 +1,14 @@
 #!/usr/bin/env python3
-"""Writes what the IDL files declare into every language.  generate.py BUILD_FOLDER IDL...
+"""Writes the declarations of the IDL files for every language.  generate.py BUILD_FOLDER IDL...
 
 include/collided/codes.hpp           C++: an enumeration is an enum class of one octet, with the count of its codes and a
-                                     name_of(), the word that answers use for a code
+                                     name_of(), the word of a code in answers
 include/collided/codes.h             C: the codes and constants of the C interface
-idl/messages.hpp                     C++: the members of each message in their order, and its sequences as vectors
+idl/messages.hpp                     C++: the members of each message in order, and its sequences as vectors
 client/python/collided/_contract.py  Python: an enumeration is a tuple of its words
 
-In the IDL all enumerators of an enumeration begin with one word of their own, since IDL puts them into the module's scope; in
-other languages than C that word is dropped."""
+In the IDL all enumerators of an enumeration begin with the same prefix, since IDL puts them into the module's scope; languages
+other than C drop it."""
 import collections
 import pathlib
 import re
@@ -16,12 +16,12 @@ import sys
 import textwrap
 
 WIDTH = 120
-# Where the word of answers is not that of the code.
+# Words in answers that differ from the code's word.
 SPOKEN = {"none": "", "what_if": "what-if"}
 CPP = {"octet": "std::uint8_t", "boolean": "bool", "double": "double", "long long": "std::int64_t",
        "unsigned long": "std::uint32_t", "unsigned long long": "std::uint64_t"}
 SUFFIXES = {"unsigned long": "U", "unsigned long long": "U"}
-# What the C interface has. Of the first four the enumerators' own word is dropped in C, too.
+# The enumerations of the C interface. For the first four, C also drops the prefix.
 SHORT_IN_C = ("HitMode", "Importance", "InstantKind", "Verdict")
 IN_C = (*SHORT_IN_C, "UndecidedReason", "EndReason", "Doubt", "ContactEventKind", "Containment")
 CONSTANTS_IN_C = ("NO_TRIANGLE",)
@@ -48,11 +48,11 @@ def camel(name):
 
 
 def answered(words):
-    """The words as answers have them."""
+    """The words in answers."""
     return [SPOKEN.get(word, word) for word in words]
 
 
-# ---- what is declared -------------------------------------------------------------------------------------------------
+# ---- declarations -----------------------------------------------------------------------------------------------------
 
 
 def enumerations(idl):
@@ -125,7 +125,7 @@ constexpr bool is_known(std::uint8_t code) {{
 
 def enumeration_as_c(code):
     prefix = "" if code.name in SHORT_IN_C else code.prefix
-    # A line is not broken before the number.
+    # No line break before the number.
     names = ", ".join(f"COLLIDED_{prefix}{word.upper()}\xa0=\xa0{number}" for number, word in enumerate(code.words))
     lines = [wrapped(f"/* {code.comment} */", "", " * ")] if code.comment else []
     lines += [f"typedef int32_t collided_{snake(code.name)};", wrapped(f"enum {{ {names} }};", "", "  ")]
@@ -164,7 +164,7 @@ def python_module(idl):
 
 
 def width_of(comment):
-    """Of a column: how many numbers an entry has; 0 for what does not have as many entries as the others."""
+    """The numbers per entry of a column; 0 for a column with another number of entries."""
     if "zero-terminated" in comment or ", once" in comment:
         return 0
     each = re.match(r" (\d) each", comment)
@@ -252,7 +252,7 @@ OUTPUTS = {"include/collided/codes.hpp": codes_header, "include/collided/codes.h
 
 
 def write(path, text):
-    # Unchanged, it keeps its time, and nothing is compiled again.
+    # An unchanged file keeps its time, so that nothing is compiled again.
     output = pathlib.Path(path)
     if not output.exists() or output.read_text(encoding="utf-8") != text:
         output.parent.mkdir(parents=True, exist_ok=True)

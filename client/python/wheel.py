@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Packs the Python client as a wheel: `pip wheel client/python --no-deps`, or this program. Two packings of one state are equal in
-every byte.
+"""Packs the Python client as a wheel: `pip wheel client/python --no-deps`, or this program. Two wheels of the same sources
+are equal in every byte.
 
 usage: wheel.py FOLDER
 
-The wheel has Python only: the client library, libcollided_client.so.2, comes from its own package. Modules that are generated
-from the headers are made anew from the sources around this file, so no build tree is needed.
+The wheel contains only Python; the client library, libcollided_client.so.2, has its own package. Modules generated from the
+headers are made from the sources around this file, so no build tree is needed.
 """
 
 import base64
@@ -30,7 +30,7 @@ GENERATORS = (
 
 
 def modules() -> dict[str, bytes]:
-    """The files of the package by their names in the wheel."""
+    """The package's files by their names in the wheel."""
     with tempfile.TemporaryDirectory() as build:
         for generator, *sources in GENERATORS:
             command = [sys.executable, "-B", str(ROOT / generator), build, *(str(ROOT / source) for source in sources)]
@@ -62,7 +62,7 @@ def build_wheel(wheel_directory: str, config_settings: Any = None, metadata_dire
     files[f"{info}/WHEEL"] = b"Wheel-Version: 1.0\nGenerator: collided\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
     record = "".join(line(name, content) for name, content in files.items()) + f"{info}/RECORD,,\n"
     files[f"{info}/RECORD"] = record.encode()
-    # Zip knows no time before 1980.
+    # Zip has no times before 1980.
     when = time.gmtime(max(int(os.environ.get("SOURCE_DATE_EPOCH", "315532800")), 315532800))[:6]
     path = pathlib.Path(wheel_directory) / f"collided-{version}-py3-none-any.whl"
     path.parent.mkdir(parents=True, exist_ok=True)

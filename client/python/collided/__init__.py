@@ -1,11 +1,11 @@
-"""Client of a Collided server: what does a ray, a sphere or a box meet, what touches what, and when did it begin.
+"""Client of a Collided server: what does a ray, a sphere or a box hit, which objects touch, and since when?
 
     import collided
     with collided.connect() as c:
         answers = c.rays(origins, directions)      # (n, 3) arrays, metres, world coordinates
         print(answers.distance, answers.object)
 
-connect() makes a Client, whose calls are these:
+connect() makes a Client with these functions:
     questions           rays, spheres, boxes, nearest, inside, ray, sphere, sweep, what_if
     two objects         pair, clearance
     why                 explain_ray, explain_pair, explain_standing, explain_event
@@ -21,13 +21,13 @@ and publish it again, diagnose finds why programs do not hear each other, fleet 
 
 Units      metres, world coordinates; quaternions (w, x, y, z); poses (x, y, z, w, x, y, z); times in seconds as float, world
            times in nanoseconds since 1970 as int, with _ns at the end of their names
-Errors     calls raise a collided.Error, whose text says what to do next: BadInput, NoServer, Timeout, Refused, Disconnected
+Errors     calls raise a collided.Error, with the next step in its text: BadInput, NoServer, Timeout, Refused, Disconnected
 Undecided  an answer may be neither true nor false: bool() of it raises Undecided
-Answers    frozen dataclasses, whose help has their members
-Arrays     of numpy where it is installed, else of Python; contiguous float64 is not copied
+Answers    frozen dataclasses; their help lists the members
+Arrays     of numpy if it is installed, else of Python; contiguous float64 is not copied
 
-The package lies over the C interface of the client library (collided.h) by ctypes; nothing is compiled. The library is found as
-libcollided_client.so.2 where the system looks, or where the environment variable COLLIDED_LIBRARY points.
+The package uses the C interface of the client library (collided.h) through ctypes; nothing is compiled. It loads
+libcollided_client.so.2 from the system's library path, or the file in the environment variable COLLIDED_LIBRARY.
 """
 
 from types import FunctionType
@@ -63,7 +63,7 @@ __all__ = [
 ]
 __all__ += _schema.__all__
 
-# Help and tracebacks name the package alone.
+# Help and tracebacks then show the package's name only.
 for _name in __all__:
     if isinstance(globals()[_name], (type, FunctionType)):
         globals()[_name].__module__ = __name__

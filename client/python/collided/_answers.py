@@ -18,13 +18,13 @@ from ._structs import CAnswersInfo, CColumns
 
 @dataclass(frozen=True)
 class Answer:
-    """The answer to one question. As a truth value it is its verdict's.
+    """The answer to one question. Its truth value is that of its verdict.
 
     verdict
     reason     if undecided: why, such as "stale_object"; else empty
     hits       nearest first, for spheres and boxes deepest first
     uncovered  with reason "not_covered": the point at which the question leaves the space with complete geometry
-    covered    and the metres before that point
+    covered    with reason "not_covered": metres before that point
     """
 
     verdict: Verdict
@@ -37,7 +37,7 @@ class Answer:
         return bool(self.verdict)
 
 
-# Name, element and numbers an entry of each column.
+# Each column's element types (numpy, array) and its numbers per entry.
 _TYPES = {
     "verdict": ("u1", "B", 1),
     "reason": ("u1", "B", 1),
@@ -67,7 +67,7 @@ class Answers(Owned):
 
     The columns (distance, point, object and so on) describe each question's first hit; NaN, 0 or None without a hit. They
     are numpy arrays if numpy is installed, else array.array or lists. hits() has all hits. A column is fetched when it is
-    first read. Given as `out=` to a later call, the memory is used again and the columns change.
+    first read. If passed as `out=` to a later call, the memory is reused and the columns change.
     """
 
     _what = "the answers"
@@ -79,7 +79,7 @@ class Answers(Owned):
         self._names: dict[int, str] = {}
 
     def _empty(self) -> ctypes.c_void_p:
-        """Drops the answers; returns the handle that takes the next ones."""
+        """Drops the answers; returns the handle for the next ones."""
         self._columns.clear()
         self._names.clear()
         self._info = CAnswersInfo(size=ctypes.sizeof(CAnswersInfo))
@@ -123,17 +123,17 @@ class Answers(Owned):
 
     @property
     def oldest_pose_age_ns(self) -> int | None:
-        """Age of the oldest pose that decided an answer; None: only static geometry did."""
+        """Age of the oldest pose that decided an answer; None: only static geometry decided."""
         return int(self._info.oldest_pose_age_ns) if self._info.has_oldest_pose else None
 
     @property
     def compute(self) -> float:
-        """Seconds that the server took, summed over its messages."""
+        """Computing time of the server in seconds, summed over its messages."""
         return float(self._info.compute_ns) * 1e-9
 
     @property
     def verdict(self) -> Any:
-        """(n,) of the numbers of Verdict: compare with Verdict.HIT and the others."""
+        """(n,) numbers of Verdict; compare them with Verdict.HIT and the others."""
         return self._column("verdict")
 
     @property
@@ -169,7 +169,7 @@ class Answers(Owned):
 
     @property
     def exit(self) -> Any:
-        """(n,) metres: how far along a ray it leaves a convex solid; else 0."""
+        """(n,) metres: distance along a ray at which it leaves a convex solid; else 0."""
         return self._column("exit_m")
 
     @property
@@ -179,7 +179,7 @@ class Answers(Owned):
 
     @property
     def normal(self) -> Any:
-        """(n, 3) unit vectors: for rays against the ray, for nearest towards the point."""
+        """(n, 3) unit vectors: for rays against their direction, for nearest towards the point."""
         return self._column("normal")
 
     @property
@@ -199,7 +199,7 @@ class Answers(Owned):
 
     @property
     def by_winding(self) -> Any:
-        """(n,) 1 if the distance is that to the surface of a mesh that does not close, which is not a depth; else 0."""
+        """(n,) 1 if the distance is to the surface of a mesh that does not close, and not a depth; else 0."""
         return self._column("by_winding")
 
     @property
@@ -230,7 +230,7 @@ class Answers(Owned):
         return name
 
     def is_hit(self) -> Any:
-        """(n,) true or false. Raises Undecided if one of the answers is neither."""
+        """(n,) true or false. Raises Undecided if an answer is neither."""
         for verdict in set(self.verdict.tolist()):
             bool(Verdict(verdict))
         if _numbers.numpy is not None:

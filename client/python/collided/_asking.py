@@ -68,7 +68,7 @@ def _ask_options(
 
 
 class Asking(Commanding):
-    """The questions of a Client, which says what their keywords mean."""
+    """The questions of a Client; help(Client) explains their keywords."""
 
     def _ask(
         self, name: str, kind: int, rows: _numbers.Numbers, keywords: dict[str, Any], parts: Parts | None = None
@@ -113,13 +113,13 @@ class Asking(Commanding):
 
     def nearest(self, points: Rows, within: Rows | Row | float | None = None, **options: Any) -> Answers:
         """Which objects are nearest to points? points (n, 3); within (n,) or one number: the largest distance, None:
-        unlimited; max_hits: how many objects, 1 where it is not given."""
+        unlimited; max_hits: number of objects, 1 by default."""
         reach = _numbers.one_or_many(math.inf if within is None else within, "within")
         rows = _numbers.joined(points=_numbers.rows(points, 3, "points"), within=reach)
         return self._ask("nearest", ASK_NEAREST, rows, options)
 
     def inside(self, points: Rows, **options: Any) -> Answers:
-        """Which solids hold points? points (n, 3). Primitives, hulls and declared meshes are solid; the distance of a
+        """Which solids contain points? points (n, 3). Primitives, hulls and declared meshes are solid; the distance of a
         hit is the depth below the surface."""
         return self._ask("inside", ASK_INSIDE, _numbers.rows(points, 3, "points"), options)
 
@@ -151,19 +151,18 @@ class Asking(Commanding):
         timeout: float = 60.0,
         **options: Any,
     ) -> Answers:
-        """Would configurations be free? Nothing is moved; an answer that is a miss is free.
+        """Would configurations be free of contact? Nothing is moved. A miss means free.
 
-        objects        names of those thought elsewhere
-        poses          (n * len(objects), 7) or (n, len(objects), 7): x y z, then w x y z; in each configuration one for
+        objects        names of the moved objects
+        poses          (n * len(objects), 7) or (n, len(objects), 7): x y z, then w x y z; each configuration has one for
                        each object, in order
         against        an object, a scene or a glob; "": everything else
-        clearance      the distance of an answer is its least clearance, negative where something touches, and object
-                       names the moved one; hits() has both of the pair. Without it the first contact found, only its
-                       names
-        nearer         metres; with clearance: pairs surely farther apart do not count
-        with_filtered  also pairs that masks and groups let pass through each other
-        attached       (name, name of what it moves with)
-        skip, mask, deadline, as_of, importance, fresh: as of other questions"""
+        clearance      an answer's distance is its least clearance, negative for a contact, and `object` is the moved
+                       object; hits() has both objects of the pair. Without it: the names of the first contact found
+        nearer         metres; with clearance: pairs certainly farther apart are ignored
+        with_filtered  also test pairs that masks and groups exclude
+        attached       pairs (name, name of the object that it moves with)
+        skip, mask, deadline, as_of, importance, fresh: as for other questions"""
         if _numbers.numpy is not None and getattr(poses, "ndim", 2) == 3:
             poses = _numbers.numpy.asarray(poses).reshape(-1, 7)
         numbers = _numbers.rows(poses, 7, "poses")

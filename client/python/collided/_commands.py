@@ -1,4 +1,4 @@
-"""Commands as JSON, which several of a Client's calls are made of."""
+"""Commands as JSON, the basis of several functions of Client."""
 
 from __future__ import annotations
 
@@ -15,10 +15,10 @@ class Commanding(Owned):
     """An object that sends commands to a server."""
 
     def command(self, name: str, /, timeout: float = 10.0, **arguments: Any) -> dict[str, Any]:
-        """Sends any command of the server, also one that has no call of its own; returns its answer as a dictionary.
+        """Sends any command of the server, also one without a function of its own; returns its answer as a dictionary.
 
-        name       a word of the server, such as "figures", "steps", "audit", "menu" or "recording"
-        arguments  as JSON has them: lengths in metres, times in nanoseconds"""
+        name       of the command, such as "figures", "steps", "audit", "menu" or "recording"
+        arguments  as in JSON: lengths in metres, times in nanoseconds"""
         return self._command(name, arguments, timeout)
 
     def _command(self, name: str, arguments: dict[str, Any], timeout: float = 10.0, parts: Parts | None = None) -> dict[str, Any]:
@@ -30,12 +30,12 @@ class Commanding(Owned):
 
 
 def deadline_ns(deadline: float, timeout: float) -> int:
-    """How long the server works on an answer: without a deadline a little longer than the call waits, which ends first."""
+    """Time that the server may work on an answer; without a deadline slightly longer than the timeout of the call."""
     return nanoseconds(deadline, "deadline") or min(nanoseconds(timeout, "timeout"), _DAY_NS) + 10**8
 
 
 def instant(as_of: str | int) -> str:
-    """The instant that an answer is about, as commands have it."""
+    """The instant that an answer is about, in the form of commands."""
     if as_of == "latest":
         return ""
     if as_of == "settled" or (isinstance(as_of, int) and not isinstance(as_of, bool)):

@@ -1,4 +1,4 @@
-"""Answers and events of the server as frozen dataclasses, read by the names of their members."""
+"""Reads answers and events of the server into frozen dataclasses, by the names of their members."""
 
 from __future__ import annotations
 
@@ -50,12 +50,12 @@ class Judged:
 
 
 def read(kind: type[T], row: dict[str, Any]) -> T:
-    """The row as a dataclass. A member that was not written is false, 0, empty or None, as its type has it.
+    """Reads a row as a dataclass. A missing member is false, 0, empty or None, depending on its type.
 
     The metadata of a member may have these:
       json   its name in the row; empty: it is read from the whole row
-      words  the words of Python for those of the row
-      ends   names of numbers, which are one tuple"""
+      words  Python's words by those of the row
+      ends   names of numbers that form a tuple"""
     return kind(**{name: value(row.get(place) if place else row) for name, place, value in _members(typing.cast(Any, kind))})
 
 
@@ -102,7 +102,7 @@ def _value(hint: Any) -> Reader:
 
 
 def _named(kind: Any, numbers: list[Any]) -> dict[str, Any]:
-    """A row that was written as numbers alone, a vector as three of them."""
+    """Names the numbers of a row that was written without names, a vector as three numbers."""
     left, row = iter(numbers), {}
     for name, place, _ in _members(kind):
         value: Any = list(itertools.islice(left, 3 if typing.get_origin(_hints(kind)[name]) is tuple else 1))

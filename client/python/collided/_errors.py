@@ -1,4 +1,4 @@
-"""Errors as exceptions, which are Python's own as well."""
+"""Errors as exceptions, some of which are also Python's built-in ones."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ class Error(Exception):
     """The reason why a call failed, and what to do next.
 
     hint         the next step or the consequence; may be empty
-    retry_after  seconds until the server expects to have room, where it refused for want of it; else 0
+    retry_after  if an overloaded server refused: seconds until it expects to have capacity; else 0
     """
 
     def __init__(self, message: str, hint: str = "", retry_after: float = 0.0) -> None:
@@ -17,23 +17,23 @@ class Error(Exception):
 
 
 class BadInput(Error, ValueError):
-    """The arguments cannot be meant; nothing was sent."""
+    """The arguments are invalid; nothing was sent."""
 
 
 class NoServer(Error, ConnectionError):
-    """No server answered while connecting, or it does not offer what was asked for."""
+    """No server answered while connecting, or it does not offer the requested feature."""
 
 
 class Timeout(Error, TimeoutError):
-    """No answer in time although the server lives."""
+    """No answer in time although the server is alive."""
 
 
 class Refused(Error):
-    """The server refused the request and said why."""
+    """The server refused the request; the text has its reason."""
 
 
 class Disconnected(Error, ConnectionError):
-    """The server has been silent or was replaced; the connection resumes by itself."""
+    """The server is silent or was replaced; the connection resumes by itself."""
 
 
 class InternalError(Error):

@@ -1,4 +1,4 @@
-"""The C interface as ctypes sees it: the loaded library, its functions, and errors as exceptions."""
+"""The C interface through ctypes: the loaded library, its functions, and errors as exceptions."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ _ERRORS: dict[int, type[Error]] = {
 
 def _load() -> ctypes.CDLL:
     asked = os.environ.get("COLLIDED_LIBRARY")
-    # Installed below a prefix of its own, it lies beside the folder of Python's packages.
+    # Installed below a separate prefix, the library is next to the folder of Python's packages.
     beside = pathlib.Path(__file__).resolve().parents[3:4]
     near = [str(path) for lib in beside for path in [*lib.glob(_NAME), *lib.glob("*/" + _NAME)]]
     library, cause = None, OSError("no such file")
@@ -58,7 +58,7 @@ def version() -> str:
 
 
 def call(name: str, *arguments: Any) -> int:
-    """Calls a function that returns a code, and raises where that is an error. Warns of what a call that went well has to
+    """Calls a function that returns a code, and raises if that is an error. Warns if a successful call has something to
     report."""
     error = CError(size=ctypes.sizeof(CError))
     code = int(getattr(library, "collided_" + name)(*arguments, ctypes.byref(error)))
@@ -72,7 +72,7 @@ def call(name: str, *arguments: Any) -> int:
 
 
 def call_for_text(name: str, *arguments: Any) -> Any:
-    """Calls a function whose last argument is a text that it returns as JSON; None if it returns none."""
+    """Calls a function whose last argument receives a JSON text, and returns the value; None without a text."""
     answer = ctypes.c_void_p()
     try:
         call(name, *arguments, ctypes.byref(answer))
@@ -82,7 +82,7 @@ def call_for_text(name: str, *arguments: Any) -> Any:
 
 
 def as_json(value: dict[str, Any], what: str) -> bytes:
-    """Arguments or options for C. JSON has no number that is not finite. Numbers and arrays of numpy have tolist()."""
+    """Arguments or options for C as JSON, which has no infinite numbers. Numbers and arrays of numpy have tolist()."""
     try:
         return json.dumps(value, allow_nan=False, default=operator.methodcaller("tolist")).encode()
     except (AttributeError, TypeError, ValueError) as cause:
@@ -90,36 +90,36 @@ def as_json(value: dict[str, Any], what: str) -> bytes:
 
 
 def number(value: float) -> float | str:
-    """A number for JSON, where an infinite one is a text."""
+    """A number for JSON; an infinite one becomes a text."""
     return str(value) if value in (float("inf"), float("-inf")) else value
 
 
 def encoded(text: str, what: str) -> bytes:
-    """A text for C, where a zero byte would end it early."""
+    """A text for C; a zero byte, which would end it early, is refused."""
     if "\0" in text:
         raise BadInput(f"{what} {text!r} holds a zero character", "nothing was sent")
     return text.encode("utf-8", "surrogateescape")
 
 
 def text(value: bytes | None) -> str:
-    """A text of C."""
+    """A text from C."""
     return (value or b"").decode("utf-8", "surrogateescape")
 
 
 def word(words: tuple[str, ...], code: int) -> str:
-    """The word of a code, or its number where a newer library has more."""
+    """The word of a code; the number of an unknown code of a newer library."""
     return words[code] if 0 <= code < len(words) else str(code)
 
 
 def code_of(value: str, words: tuple[str, ...], what: str) -> int:
-    """The code that has this word."""
+    """The code with this word."""
     if value not in words:
         raise BadInput(f"{what} is {value!r}; known are {', '.join(words)}", "nothing was sent")
     return words.index(value)
 
 
 def nanoseconds(seconds: float, what: str) -> int:
-    """Seconds as the library counts them; more than 292 years is as long as 292 years."""
+    """Seconds as nanoseconds, limited to 292 years."""
     if not seconds >= 0:
         raise BadInput(f"{what} is {seconds} s; allowed from 0 on", "nothing was sent")
     return int(min(seconds * 1e9, 2**63 - 1025))
@@ -149,8 +149,8 @@ Held = TypeVar("Held", bound="Owned")
 
 
 class Owned:
-    """Something that the library made: closed once, by close(), `with` or the garbage collector, and of no use in a
-    forked child, which has none of the library's threads."""
+    """An object made by the library: closed once, by close(), `with` or the garbage collector. It is unusable in a
+    forked child, which lacks the library's threads."""
 
     _what = "it"
 
@@ -173,7 +173,7 @@ class Owned:
         return self._kept is None
 
     def close(self) -> None:
-        """Gives it up. A second time does nothing."""
+        """Releases the object. A second call does nothing."""
         kept, self._kept = getattr(self, "_kept", None), None
         if kept is not None and os.getpid() == self._pid:
             getattr(library, "collided_" + self._close_name)(kept)

@@ -37,17 +37,17 @@ class Managing(Commanding):
     ) -> Loaded:
         """Loads a file that the server can read, as a scene: a mesh, a cloud, a table of boxes or a robot (.urdf).
 
-        name      of the scene; empty: the file's name without its ending
+        name      of the scene; empty: the file's name without its extension
         unit      metres: the length of the file's unit
-        up        the file's axis that points up, "y" or "z"; empty: as its format says, else z
+        up        the file's axis that points up, "y" or "z"; empty: that of the format, or z
         radius    metres: of the balls about the points of a cloud
-        strict    refuses what would otherwise be mended
+        strict    refuses faults that would otherwise be mended
         mend      cuts edges at T-vertices and closes cracks
         crack     metres: the widest crack to close; 0: a ten-thousandth of the diagonal
-        srdf      of a robot: path, on the server, of the file that says which links may touch
-        packages  of a robot: "NAME=DIR" each, the folder on the server of a package that its file names
+        srdf      for a robot: path, on the server, of the file that lists the links that may touch
+        packages  for a robot: entries "NAME=DIR", the folder on the server of a package that its file refers to
         replace   replaces the scene of that name
-        moving    its objects take poses: by move(), or of a publisher that claims them
+        moving    its objects can be moved, by move() or by a publisher that claims them
         solid     name glob of the parts and objects whose meshes are solid; empty: none
         solid_by  "winding": those that do not close are solid by their winding number; empty: they stay surfaces
         covers    boxes (low x, y, z, high x, y, z) in which the geometry is complete; a side may be infinite"""
@@ -55,7 +55,7 @@ class Managing(Commanding):
             "name": name, "unit_m": unit, "up": up, "radius_m": radius, "strict": strict, "mend": mend, "crack_m": crack,
             "srdf": srdf, "replace": replace,
         }
-        # A server that is older refuses an argument that it does not know.
+        # An older server refuses unknown arguments.
         boxes = [[side if math.isfinite(side) else str(side) for side in map(float, box)] for box in covers]
         meant = {"packages": list(packages), "moving": moving, "solid": solid, "solid_by": solid_by, "covers": boxes}
         arguments.update({key: value for key, value in meant.items() if value})
@@ -64,18 +64,18 @@ class Managing(Commanding):
     def clear(self, scene: str = "", *, moving: bool = False, timeout: float = 10.0) -> Cleared:
         """Removes scenes, moving objects, or both. Objects of living publishers stay.
 
-        scene   this scene alone; empty: all of them
-        moving  moving objects too; without a scene only those"""
+        scene   only this scene; empty: all
+        moving  also moving objects; without a scene only those"""
         return read(Cleared, self.command("clear", timeout=timeout, scene=scene, moving=moving))
 
     def list(
         self, name: str = "", *, moving: bool | None = None, limit: int = 10_000, timeout: float = 10.0
     ) -> ObjectList:
-        """The objects in brief, and how many there are.
+        """The objects in brief, and their number.
 
         name    name or glob; empty: all
         moving  True: only objects that move; False: only those that do not
-        limit   objects returned at most, up to 1,000,000"""
+        limit   maximum number of objects returned, up to 1,000,000"""
         return read(ObjectList, self.command("list", timeout=timeout, name=name, moving=moving, limit=limit))
 
     def get(self, name: str, *, timeout: float = 10.0) -> ObjectDetails:
@@ -83,11 +83,11 @@ class Managing(Commanding):
         return read(ObjectDetails, self.command("get", timeout=timeout, name=name))
 
     def rules(self, *, timeout: float = 10.0) -> tuple[ListedRule, ...]:
-        """The rules of which pairs may touch (allow, deny), in their order; the last one that fits a pair decides."""
+        """The rules about which pairs may touch (allow, deny), in order; the last one that matches a pair decides."""
         return tuple(read(ListedRule, row) for row in self.command("allowed", timeout=timeout)["rules"])
 
     def plan(self, *, timeout: float = 10.0) -> Plan:
-        """Which structures the server has built for what it holds, which it has left out, and why."""
+        """Which index structures the server has built for its world, which it has left out, and why."""
         return read(Plan, self.command("plan", timeout=timeout))
 
     def add_probe(
@@ -102,8 +102,8 @@ class Managing(Commanding):
     ) -> None:
         """Adds a ray that is fixed to an object, or replaces the one of that name. It stays until it is removed.
 
-        object             name of the object that carries it, which need not be in the world yet
-        origin, direction  in the object's frame; the direction of any length but 0
+        object             name of the object that carries it, which need not exist yet
+        origin, direction  in the object's frame; the direction has any length but 0
         reach              metres ahead of the origin, may be infinite
         back               metres behind the origin"""
         arguments: dict[str, Any] = {

@@ -32,16 +32,16 @@ class Measuring(Commanding):
     ) -> PairAnswer:
         """Do two objects touch, how deep, or how far apart are they?
 
-        certificate          with a proof of the answer
-        triangles            with every pair of triangles that touch, for two meshes
-        most_triangle_pairs  of them, up to 100,000
-        opinion              "fcl": with the answer of the library FCL; empty: without"""
+        certificate          add a proof of the answer
+        triangles            add every pair of triangles that touch, for two meshes
+        most_triangle_pairs  maximum number of these pairs, up to 100,000
+        opinion              "fcl": add the answer of the library FCL; empty: none"""
         arguments: dict[str, Any] = {
             "a": a, "b": b, "certificate": certificate, "triangles": triangles, "most": most_triangle_pairs,
             "as_of": instant(as_of), "deadline_ns": deadline_ns(deadline, timeout),
         }
         if opinion:
-            arguments["opinion"] = opinion  # a server that is older refuses an argument that it does not know
+            arguments["opinion"] = opinion  # an older server refuses unknown arguments
         return read(PairAnswer, self.command("pair", timeout=timeout, **arguments))
 
     def clearance(
@@ -58,14 +58,14 @@ class Measuring(Commanding):
         deadline: float = 0.0,
         timeout: float = 10.0,
     ) -> ClearanceAnswer:
-        """Which pairs of two groups are nearest to each other, and how near? One search over all pairs, on one state.
+        """Which pairs of two groups are nearest to each other, and how near? It is one search over all pairs of one state.
 
-        group, to      an object, a scene or a glob each; to "": everything that is not in the first group
+        group, to      an object, a scene or a glob; to "": everything that is not in the first group
         most           pairs reported, 1 to 10,000, with certificates to 1,000
-        nearer         metres; pairs surely farther apart are not reported
-        skip           glob of objects that are left out of both
-        with_filtered  also pairs that masks and groups let pass through each other
-        certificate    with a proof for each pair"""
+        nearer         metres; pairs certainly farther apart are not reported
+        skip           glob of objects to leave out of both
+        with_filtered  also report pairs that masks and groups exclude
+        certificate    add a proof for each pair"""
         arguments: dict[str, Any] = {
             "from": group, "to": to, "most": most, "skip": skip, "with_filtered": with_filtered, "certificate": certificate,
             "as_of": instant(as_of), "deadline_ns": deadline_ns(deadline, timeout),
@@ -92,10 +92,10 @@ class Measuring(Commanding):
         deadline: float = 0.0,
         timeout: float = 10.0,
     ) -> ExplainedRay:
-        """Why does a ray meet what it meets, and not another object?
+        """Why does a ray hit what it hits, and not another object?
 
         why_not  an object that is reported in any case
-        most     objects passed that are reported"""
+        most     maximum number of missed objects reported"""
         numbers = [*_numbers.vector(origin, 3, "origin"), *_numbers.vector(direction, 3, "direction")]
         if not all(map(math.isfinite, numbers)):
             raise BadInput(f"the ray is {numbers}, which are not all finite", "nothing was sent")
@@ -108,9 +108,9 @@ class Measuring(Commanding):
     def explain_pair(
         self, a: str, b: str, *, last: float = 0.0, as_of: str | int = "latest", deadline: float = 0.0, timeout: float = 10.0
     ) -> ExplainedPair:
-        """How do two objects stand to each other, how near did they come, and why are their contacts not reported?
+        """Do two objects touch, how near did they come, and why are their contacts not reported?
 
-        last  seconds: how far back their paths are looked at; 0: as far as the server remembers"""
+        last  seconds: how far back their paths are searched; 0: as far as the server remembers"""
         arguments: dict[str, Any] = {"a": a, "b": b, "as_of": instant(as_of)}
         if last != 0:
             arguments["last_ns"] = nanoseconds(last, "last")
@@ -119,17 +119,17 @@ class Measuring(Commanding):
     def explain_standing(
         self, name: str, *, why_not: str = "", most: int = 3, deadline: float = 0.0, timeout: float = 10.0
     ) -> ExplainedStanding:
-        """What does a region hold, or what is nearest; what comes next, and what is left out, by how much and why?
+        """Which objects are in a region, or nearest; which come next, and which are left out, by how much and why?
 
         why_not  an object that is reported in any case
-        most     objects outside, or farther away, that are reported"""
+        most     maximum number of objects outside, or farther away, reported"""
         arguments = {"standing": name, "why_not": why_not, "most": most}
         return read(ExplainedStanding, self._explanation(timeout, deadline, arguments))
 
     def explain_event(
         self, sequence: int, *, of: str = "contacts", deadline: float = 0.0, timeout: float = 10.0
     ) -> ExplainedEvent:
-        """What is behind an event that was reported? The server remembers the last 4,096 of each kind.
+        """What is the cause of a reported event? The server remembers the last 4,096 of each kind.
 
         of  "contacts", or "standing": of standing questions"""
         return read(ExplainedEvent, self._explanation(timeout, deadline, {"event": sequence, "of": of}))

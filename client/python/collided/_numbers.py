@@ -1,4 +1,4 @@
-"""Arrays of numbers on their way to C: numpy's without a copy where they lie as C wants them, lists otherwise."""
+"""Arrays of numbers for C: numpy arrays, without a copy if their layout fits, or lists."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ class Numbers:
         self.count = count
 
 
-Column = Union[Numbers, tuple[float, ...]]  # a tuple is the same in all rows
+Column = Union[Numbers, tuple[float, ...]]  # a tuple repeats in all rows
 
 
 def _from_numpy(values: Any, width: int, what: str, kind: str) -> Numbers:
@@ -97,7 +97,7 @@ def one_or_many(value: Any, what: str) -> Column:
 
 
 def joined(**columns: Column) -> Numbers:
-    """Columns beside each other, as the rows of one array. The first has numbers for each row."""
+    """Joins columns into the rows of one array. The first has numbers for each row."""
     (name, first), *others = columns.items()
     assert isinstance(first, Numbers)
     for other, column in others:

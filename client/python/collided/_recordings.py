@@ -1,4 +1,4 @@
-"""Functions that need no Client: recordings, and what can be heard of servers."""
+"""Functions that need no Client: recordings, diagnosis and the list of servers."""
 
 from __future__ import annotations
 
@@ -42,10 +42,10 @@ def recorded_events(
 ) -> RecordedEvents:
     """Reads the contact events of a recording, in the order in which they happened.
 
-    only, skip  globs, as those of Client.watch
-    from_ns     contacts that held then come first, as "open"; None: from the recording's begin
-    to_ns       included; None: to its end
-    since       what both count from: "1970", or the recording's "begin" or "end" (then mostly negative)
+    only, skip  globs, as for Client.watch
+    from_ns     contacts that held at this time come first, as "open"; None: the recording's begin
+    to_ns       inclusive; None: its end
+    since       the origin of both times: "1970", or the recording's "begin" or "end" (then mostly negative)
     """
     return read(RecordedEvents, _recorded("recorded_events", path, only, skip, _stretch(from_ns, to_ns, since)))
 
@@ -59,12 +59,12 @@ def recorded_standing_events(
     to_ns: int | None = None,
     since: str = "1970",
 ) -> RecordedStandingEvents:
-    """Reads what standing questions reported in a recording, in the order of the events' numbers.
+    """Reads the events of standing questions in a recording, in the order of their numbers.
 
-    only, skip  globs, as those of Client.watch_standing
-    from_ns     what held then comes first, as "inside", "within" and "is"; None: from the recording's begin
-    to_ns       included; None: to its end
-    since       what both count from: "1970", or the recording's "begin" or "end" (then mostly negative)
+    only, skip  globs, as for Client.watch_standing
+    from_ns     the state at this time comes first, as "inside", "within" and "is"; None: the recording's begin
+    to_ns       inclusive; None: its end
+    since       the origin of both times: "1970", or the recording's "begin" or "end" (then mostly negative)
     """
     return read(RecordedStandingEvents, _recorded("recorded_standing", path, only, skip, _stretch(from_ns, to_ns, since)))
 

@@ -29,10 +29,10 @@ class PublishedRobot(Owned):
         return list(call_for_text("robot_set", self._handle, as_json(motion, "robot")))
 
     def set_joints(self, positions: Mapping[str, float], *, teleport: bool = False) -> list[str]:
-        """Moves the links to where the joints put them, in radians or metres; flush() of the publisher sends it. Joints that
-        are not named stay. Returns warnings, such as a step in which a link leaves its arc by more than a millimetre."""
+        """Moves the links to the given joint positions, in radians or metres; the publisher's flush() sends them. Joints that
+        are not named stay. Returns warnings, such as a step in which a link deviates from its arc by more than 1 mm."""
         return self._set({"joints": list(positions.items()), "teleport": teleport})
 
     def set_base(self, position: Row, orientation: Row = (1.0, 0.0, 0.0, 0.0)) -> None:
-        """Moves the robot as a whole."""
+        """Moves the whole robot."""
         self._set({"base": pose(position, orientation)})

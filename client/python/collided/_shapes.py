@@ -1,4 +1,4 @@
-"""What objects are made of. Metres, in the object's own frame."""
+"""Shapes of objects. Metres, in the object's own frame."""
 
 from __future__ import annotations
 
@@ -11,8 +11,7 @@ from ._errors import BadInput
 from ._numbers import Row, Rows
 from ._structs import CPart
 
-#: Whether a mesh holds what lies in it. True: refused where it does not close; "winding": then it is solid by its winding
-#: number.
+#: Whether a mesh bounds a solid. True: refused if it does not close; "winding": it is then solid by its winding number.
 Solid = Union[bool, Literal["winding"]]
 
 _ORIGIN = (0.0, 0.0, 0.0)
@@ -56,7 +55,7 @@ class Cylinder:
 
 @dataclass(frozen=True)
 class Cone:
-    """The base is a disc of that radius about `base`, at right angles to the axis from the apex."""
+    """The base is a disc of that radius about `base`, perpendicular to the axis from the apex."""
 
     apex: Row
     base: Row
@@ -89,7 +88,7 @@ class Hull:
 
 @dataclass(frozen=True)
 class Mesh:
-    """A surface: vertices (n, 3) and triangles (m, 3) of vertex numbers."""
+    """A surface: vertices (n, 3) and triangles (m, 3) of vertex indices."""
 
     vertices: Rows
     triangles: Rows
@@ -143,7 +142,7 @@ _KINDS = {
 
 
 def _numbers_of(part: Shape) -> list[float]:
-    """The numbers of a part that has a fixed count of them."""
+    """The numbers of a part with a fixed count of numbers."""
 
     def three(values: Row, what: str) -> list[float]:
         return list(_numbers.vector(values, 3, what))
@@ -188,7 +187,7 @@ def _encode_part(part: Shape, kept: list[Any]) -> CPart:
 
 
 class Parts:
-    """The parts of a shape as an array for C, with what it points to."""
+    """The parts of a shape as an array for C, with the data that it points to."""
 
     def __init__(self, shape: Shape | Sequence[Shape]) -> None:
         listed: list[Shape] = list(shape) if isinstance(shape, (list, tuple)) else [shape]  # type: ignore[list-item]

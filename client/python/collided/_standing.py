@@ -26,7 +26,7 @@ def _named(name: str, form: str | None) -> dict[str, Any]:
 
 
 class Standing(Commanding):
-    """The calls of a Client for standing questions."""
+    """The functions of a Client for standing questions."""
 
     def _add_standing(
         self, name: str, only: str, skip: str, mask: int, keep: bool, members: dict[str, Any], parts: Parts | None = None
@@ -51,9 +51,9 @@ class Standing(Commanding):
     ) -> None:
         """Adds a question: which moving objects are in a region.
 
-        shape   solid, in the world, or in the frame of the object `to`, with which it then moves
+        shape   solid; in the world, or in the frame of the object `to`, with which it then moves
         only    empty: all objects that move
-        detect  what it reports; without "cross" a passage between two poses is an "enter" and an "exit"
+        detect  which events it reports; without "cross" a passage between two poses is an "enter" and an "exit"
         """
         unknown = [text for text in detect if text not in _DETECT]
         if unknown or not detect:
@@ -78,10 +78,10 @@ class Standing(Commanding):
     ) -> int:
         """Adds a question: which objects of the glob `only` are within bands of distance of those of the glob `around`.
 
-        bands       metres, the widest first; contact is always one
-        hysteresis  metres: a pair within a band leaves it beyond the band plus this
-        dwell       seconds: a change is reported once it has lasted so long; contact at once
-        returns     how many parts of loaded scenes one of the globs matches; they have no bands
+        bands       metres, the widest first; contact is always a band
+        hysteresis  metres: a pair leaves a band beyond the band plus this
+        dwell       seconds: a change is reported after it has lasted this long; contact at once
+        returns     number of parts of loaded scenes that match one of the globs; they have no bands
         """
         members = {"around": around, "bands": list(bands), "hysteresis": hysteresis, "dwell_ns": nanoseconds(dwell, "dwell")}
         return self._add_standing(name, only, skip, mask, keep, members)
@@ -102,7 +102,7 @@ class Standing(Commanding):
 
         to          the name of an object, or a point (x, y, z)
         within      metres: objects farther away do not count
-        hysteresis  metres: another one must be nearer by more than this
+        hysteresis  metres: another object must be nearer by more than this
         """
         members: dict[str, Any] = {"within": within, "hysteresis": hysteresis}
         if isinstance(to, str):
@@ -116,21 +116,21 @@ class Standing(Commanding):
     def remove_standing(self, name: str, form: str | None = None) -> int:
         """Removes standing questions by name or glob, and returns how many there were.
 
-        form  "region", "bands" or "nearest": of this form alone
+        form  "region", "bands" or "nearest": only this form
         """
         return len(self._command("fence", {**_named(name, form), "remove": True})["standing"])
 
     def standing(self, name: str = "", form: str | None = None) -> list[ListedStanding]:
-        """The standing questions whose names match the glob, and what each `holds`."""
+        """The standing questions whose names match the glob, each with the objects that it `holds`."""
         return [read(ListedStanding, row) for row in self._command("fences", _named(name, form))["standing"]]
 
     def watch_standing(
         self, only: str = "", skip: str = "", form: str | None = None, *, capacity: int = 0
     ) -> StandingWatch:
-        """Subscribes to standing questions. What holds already comes first, as "inside", "within" and "is".
+        """Subscribes to standing questions. The current state comes first, as "inside", "within" and "is".
 
         only      name glob that the question or one of the two objects must match; empty: everything
         skip      name glob that none of them may match
-        capacity  events that may wait to be taken; 0: the default
+        capacity  events that may wait to be read; 0: the default
         """
         return StandingWatch(self._handle, only=only, skip=skip, form=_named("", form).get("form"), capacity=capacity)

@@ -45,7 +45,7 @@ class Voxels(Owned):
 
     def insert(self, points: Rows, origin: Row | None = None, *, time_ns: int = 0) -> VoxelScan:
         """Inserts a scan and publishes the changes. points: (n, 3), metres, in the world; float32 and float64 are not
-        copied. origin: the sensor's; with it the space up to each point becomes free. time_ns: for decay (0: now)."""
+        copied. origin: of the sensor: the space between it and each point becomes free. time_ns: for decay (0: now)."""
         given = _numbers.numpy.asarray(points) if _numbers.numpy is not None else points
         is_single = getattr(given, "dtype", None) == "float32"
         taken = _numbers.rows(given, 3, "points", "f" if is_single else "d")
@@ -53,7 +53,7 @@ class Voxels(Owned):
         return self._inserted(taken, is_single, start, time_ns)
 
     def decay(self, *, time_ns: int = 0) -> int:
-        """Makes cells unknown that no scan has met for the time of decay, as insert() does too. Returns the number of changed
+        """Makes cells unknown that no scan has met for the decay time; insert() does so too. Returns the number of changed
         blocks."""
         return self._inserted(None, False, None, time_ns).changed
 

@@ -1,4 +1,4 @@
-"""Events as they come: of contacts, of standing questions, of probes."""
+"""Subscriptions to events of contacts, standing questions and probes."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from ._library import Owned, as_json, call, call_for_text, library, nanoseconds
 from ._schema import ProbeReading
 from ._structs import WATCH_CONTACTS, WATCH_PROBES, WATCH_STANDING
 
-# How long a wait in C lasts, so that Ctrl-C is seen and another thread may close the watch.
+# Duration of a wait in C, short enough for Ctrl-C and for another thread to close the watch.
 _SLICE_S = 0.1
 News = TypeVar("News", Event, StandingEvent, ProbeReading)
 
@@ -26,14 +26,14 @@ class Subscription(Owned, Generic[News]):
     _kind: type[News]
 
     def __init__(self, client: ctypes.c_void_p, **options: Any) -> None:
-        """options: those of collided_watch_start; one that is None or empty is the default"""
+        """options: those of collided_watch_start; None or empty selects the default"""
         given = {name: value for name, value in options.items() if value}
         handle = ctypes.c_void_p()
         call("watch_start", client, self._followed, as_json(given, "watch"), ctypes.byref(handle))
         super().__init__(handle, "watch_close")
 
     def next(self, wait: float | None = None) -> News | None:
-        """The next event; None if none comes within `wait` seconds (None: however long it takes)."""
+        """The next event; None if none comes within `wait` seconds (None: waits without limit)."""
         until = None if wait is None else time.monotonic() + wait
         while True:
             left = _SLICE_S if until is None else min(_SLICE_S, max(0.0, until - time.monotonic()))
@@ -45,14 +45,14 @@ class Subscription(Owned, Generic[News]):
 
     @property
     def lost(self) -> int:
-        """Events dropped because they were not taken in time."""
+        """Events dropped because they were not read in time."""
         lost = ctypes.c_uint64()
         library.collided_watch_health(self._handle, ctypes.byref(lost), None)
         return lost.value
 
     @property
     def in_step(self) -> bool:
-        """True when all that holds has been reported."""
+        """True when the current state has been reported."""
         in_step = ctypes.c_int32()
         library.collided_watch_health(self._handle, None, ctypes.byref(in_step))
         return bool(in_step)
@@ -78,12 +78,12 @@ class Watch(Subscription[Event]):
 
 
 class StandingWatch(Subscription[StandingEvent]):
-    """A subscription to standing questions: as a Watch."""
+    """A subscription to standing questions, used like a Watch."""
 
     _followed, _kind = WATCH_STANDING, StandingEvent
 
 
 class ProbeWatch(Subscription[ProbeReading]):
-    """A subscription to the readings of probes after every step: as a Watch."""
+    """A subscription to the readings of probes after every step, used like a Watch."""
 
     _followed, _kind = WATCH_PROBES, ProbeReading
