@@ -12,8 +12,8 @@
  *
  * units    metres, seconds only if a name ends in _s, nanoseconds if it ends in _ns; quaternions w first; a pose is
  *          x y z, then w x y z
- * errors   a call that returns int returns COLLIDED_OK (0) or another collided_code, and fills *error unless it is null.
- *          No exception leaves the library. After an error a result is as it was, or null
+ * errors   a call that returns int returns COLLIDED_OK (0) or another collided_code, and fills *error unless that is
+ *          null. No exception leaves the library. After an error a result is as it was, or null
  * sizes    the first member of each struct, `size`, is sizeof of the struct in the caller's header. The library reads
  *          and writes no more than that, so a program built with an older header keeps working
  * memory   each handle has its own function that frees it. A text that a call returns by char** is freed by
@@ -198,8 +198,8 @@ typedef struct collided_columns {
   uint8_t* inside; /* 1: inside; 2: inside by winding number */
   uint8_t* stale;
   /* 1: the mesh does not close, and its winding number places the point inside. distance_m is then the distance to its
-   * surface (negative for COLLIDED_ASK_NEAREST), not a depth, since a way out may lead through a hole. 0: distance_m is
-   * a depth */
+   * surface (negative for COLLIDED_ASK_NEAREST). It is not a depth, since a way out may lead through a hole. 0:
+   * distance_m is a depth */
   uint8_t* by_winding;
   /* One entry for each question. If its reason is COLLIDED_UNDECIDED_NOT_COVERED: the point (three numbers) where it
    * leaves the space in which the geometry is complete, and the distance that is covered. Otherwise NaN. */
@@ -283,6 +283,7 @@ COLLIDED_API void collided_publisher_close(collided_publisher* publisher);
  * handle  may be null */
 COLLIDED_API int collided_publisher_add(collided_publisher* publisher, const char* object, const collided_part* parts,
                                         size_t part_count, uint32_t* handle, collided_error* error);
+/* Removes an object from the world; a claimed one is released where it stands. */
 COLLIDED_API int collided_publisher_remove(collided_publisher* publisher, uint32_t handle, collided_error* error);
 /* Collects the newest poses of `count` objects; the next flush sends them. The call stops at the first pose that is
  * refused; those before it are kept.
@@ -299,6 +300,7 @@ COLLIDED_API int collided_publisher_move(collided_publisher* publisher, size_t c
  *                 lost since the last flush, the message states the cause and a remedy */
 COLLIDED_API int collided_publisher_flush(collided_publisher* publisher, int64_t source_time_ns, uint64_t* sequence,
                                           collided_error* error);
+/* Waits until the server has applied every object and pose sent so far; see collided::Publisher::wait_applied. */
 COLLIDED_API int collided_publisher_wait_applied(collided_publisher* publisher, int64_t timeout_ns,
                                                  collided_error* error);
 /* Returns the objects and poses that the server did not apply as published; see collided::PublisherReport.
@@ -314,7 +316,8 @@ COLLIDED_API void collided_publisher_stream(collided_publisher* publisher);
 
 /* Claims the links of a robot for the publisher, which then moves them by joint positions; see
  * collided::PublishedRobot. The publisher must outlive the robot.
- * options  urdf: path of the file; scene, base (a pose), joints ([["elbow",0.5]], radians or metres), beyond_limits, lost
+ * options  urdf: path of the file; scene, base (a pose), joints ([["elbow",0.5]], radians or metres), beyond_limits,
+ *          lost
  * returns  *robot, to be closed with collided_robot_close; the links stay claimed until the publisher is closed */
 COLLIDED_API int collided_robot_claim(collided_client* client, collided_publisher* publisher, const char* options,
                                       collided_robot** robot, collided_error* error);

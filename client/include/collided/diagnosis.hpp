@@ -16,15 +16,15 @@ enum class Health { ok, warn, fail };
 /// The result of one check.
 struct Finding {
   Health health = Health::ok;
-  /// What was checked, as a fixed word for programs: configuration, interface, buffer, places, server, busy, versions, clock,
-  /// publisher_clocks, round_trip, strangers or losses.
+  /// What was checked, as a fixed word for programs: configuration, interface, buffer, places, server, busy, versions,
+  /// clock, publisher_clocks, round_trip, strangers or losses.
   std::string about;
   std::string text;    // what was found, one sentence for people
   std::string remedy;  // what to do; empty if nothing
 };
 
-/// Checks the usual causes why programs do not find or reach each other over DDS: reads this machine's settings, joins
-/// the domain, waits for servers' statuses, and sends one server 1,000 empty questions.
+/// Checks the usual causes why programs do not find or reach each other over DDS. It reads this machine's settings,
+/// joins the domain, waits for servers' statuses, and sends one server 1,000 empty questions.
 ///
 /// returns  the findings in the order of the checks. Checks that cannot run, such as those of a server if none answers,
 ///          are left out. Errors are findings too.

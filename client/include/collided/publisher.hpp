@@ -55,8 +55,8 @@ struct PublishOptions {
   std::chrono::nanoseconds lease{500'000'000};
   /// If two poses of an object are no farther apart in time than this, it moves straight between them. Otherwise it
   /// rests until one gap before the later pose. Choose it longer than the source's period; 1.5 s suits one pose a
-  /// second. With a longer gap, an object that rests and then moves off seems to leave earlier, and contacts of an
-  /// object without reports are decided a gap late. 1 ms to 8 s.
+  /// second. With a longer gap, an object that rests and then moves off seems to leave earlier. Contacts of an object
+  /// without reports are decided a gap late. 1 ms to 8 s.
   std::chrono::nanoseconds gap{1'500'000'000};
 };
 
@@ -116,6 +116,7 @@ class Publisher {
   ///
   /// pose  where it is placed
   Result<Object> claim(const std::string& name, const Pose& pose, LostPolicy lost_policy = LostPolicy::remove);
+  /// Removes an object from the world; a claimed one is released where it stands.
   Result<void> remove(Object object);
   /// Replaces the shape of an object made by add(); its pose and scale stay. Its contacts end with geometry_changed and
   /// begin again.
@@ -135,9 +136,9 @@ class Publisher {
   /// between its own poses. For sources that report their objects at separate instants. An object that is not moved for
   /// longer than PublishOptions::gap counts as at rest until one gap before its next pose.
   void stream();
-  /// Renews the lease; move() and flush() do so too. Unlike flush(), it does not state that objects have been at rest:
-  /// up to PublishOptions::gap an object moves straight between its poses, and contacts with other publishers' objects
-  /// are decided up to one gap before now.
+  /// Renews the lease; move() and flush() do so too. Unlike flush(), it does not state that objects have been at rest.
+  /// Up to PublishOptions::gap an object moves straight between its poses. Contacts with other publishers' objects are
+  /// decided up to one gap before now.
   ///
   /// source_time  the publisher's current time, if it passes times to flush(); 0: the library's clock, if flush() was
   ///              given none

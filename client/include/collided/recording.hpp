@@ -172,9 +172,10 @@ struct RecordedPicture {
   std::vector<std::string> warnings;  // damage to the file, unreadable messages
 };
 
-/// Reads a recording as a viewer of its server would have seen it: objects with their shapes, poses, initial contacts
-/// as `open`, events, statuses; no server is needed. Objects get new numbers, equal for equal names, also in events. A
-/// command takes effect with its answer; refused ones have none. Error bad_input if the file cannot be read.
+/// Reads a recording as a viewer of its server would have seen it; no server is needed. It yields objects with their
+/// shapes, poses, initial contacts as `open`, events and statuses. Objects get new numbers, equal for equal names, also
+/// in events. A command takes effect with its answer; a refused one has no effect. Error bad_input if the file cannot
+/// be read.
 ///
 /// take  called with each change in order of time, on the calling thread
 Result<RecordedPicture> recorded_picture(const std::string& path, const PictureOptions& options,

@@ -28,7 +28,7 @@ struct RobotJoint {
   };
   std::string name;
   JointKind kind = JointKind::fixed;
-  std::size_t parent = 0;  // number of the link
+  std::size_t parent = 0;  // numbers of the links
   std::size_t child = 0;
   Pose origin = {};                                         // of the child's frame in the parent's, with the joint at 0
   Vec3 axis = Vec3::UnitX();                                // unit, in the child's frame
@@ -63,6 +63,7 @@ class Robot {
   const std::vector<std::string>& links() const { return links_; }
   /// The joints; the index is the joint's number. They are in the order of their child links.
   const std::vector<RobotJoint>& joints() const { return joints_; }
+  /// Returns the number of the joint of that name; nothing if there is none.
   std::optional<std::size_t> find_joint(std::string_view name) const;
 
   /// Sets positions of joints and of those that follow them, all or none. Error bad_input for an unknown joint, a joint

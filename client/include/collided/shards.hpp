@@ -165,6 +165,7 @@ class ShardedClient {
   /// options  `to` is required; `progress` is not called
   Result<ShardedClearanceAnswer> clearance(const std::string& from, const ClearanceOptions& options);
 
+  /// As Client::publish; see ShardedPublisher.
   Result<ShardedPublisher> publish(const std::string& publisher_name, const PublishOptions& options = {});
   /// Subscribes to contact events; WatchOptions::since and persisted are bad_input.
   Result<ShardedWatch> watch(const WatchOptions& options = {});
@@ -213,8 +214,8 @@ struct ShardSplitReport {
 /// next     the next map, likewise a file or an address; empty: KEY/next in etcd
 /// options  as for ShardedClient::connect
 /// errors   bad_input for maps that do not differ by one split; no_server if a shard of either map, or etcd, is not
-///          available; refused by a server with another map; timeout if the new shards do not come to hold everything.
-///          After any of these the current map stays in force, unless the next one already was
+///          available; refused by a server with another map; timeout if the new shards do not get everything. After any
+///          of these the current map stays in force, unless the next one already was
 /// cost     about six seconds, and lists of all objects of the shard
 Result<ShardSplitReport> split_shard(const std::string& map, const std::string& next, const ConnectOptions& options,
                                      const ShardSplitOptions& how = {});

@@ -118,8 +118,8 @@ struct StandingEvent {
   /// teleported.
   double closing_mps = 0;
   double closing_error_mps = 0;  // |truth - closing_mps| at most
-  /// Forecast of the contact of the two if both keep their motion, in seconds from the end of the bracket: not before
-  /// low_s, and by high_s.
+  /// When the two would touch if both kept their motion, in seconds from the end of the bracket: not before the first,
+  /// and by the second.
   struct Forecast {
     double low_s = 0;
     double high_s = 0;
@@ -142,9 +142,9 @@ struct StandingWatchOptions {
   std::size_t capacity = 65'536;          // as in WatchOptions
 };
 
-/// A subscription to standing questions. Like a Watch it reports every event exactly once and in order, reconstructs
-/// missed events from the current state, marked `resync`, and begins with the current state, as `inside`, `within` and
-/// `is`.
+/// A subscription to standing questions. Like a Watch it reports every event exactly once and in order. It begins with
+/// the current state, as `inside`, `within` and `is`. Missed events are reconstructed from the current state, marked
+/// `resync`.
 using StandingWatch = Subscription<StandingEvent>;
 
 }  // namespace collided

@@ -11,6 +11,7 @@
 
 namespace collided {
 
+/// The state of a subscription; counts are since its start.
 struct SubscriptionHealth {
   std::uint64_t lost = 0;     // events dropped since next() was not called in time
   std::uint64_t resyncs = 0;  // how often missed events were reconstructed from the state

@@ -97,6 +97,7 @@ class VoxelGrid {
   VoxelScan assign(std::span<const VoxelBlock> blocks, std::chrono::nanoseconds time);
   /// Lets old cells become unknown (VoxelOptions::decay); insert() does so too. Returns the number of changed blocks.
   std::size_t decay(std::chrono::nanoseconds time);
+  /// Makes all cells unknown.
   void clear();
 
   VoxelState state(const VoxelNumber& cell) const;
@@ -143,6 +144,7 @@ class PublishedVoxels {
   Result<VoxelScan> assign(Publisher& publisher, std::span<const VoxelBlock> blocks, std::chrono::nanoseconds time);
   /// As for VoxelGrid; also sends blocks whose clearing_delay has passed. Call it regularly while no scans come.
   Result<std::size_t> decay(Publisher& publisher, std::chrono::nanoseconds time);
+  /// Makes all cells unknown, and sends the changes.
   Result<void> clear(Publisher& publisher);
 
   const VoxelGrid& grid() const;

@@ -127,7 +127,7 @@ struct Hit {
   // rays, sweeps: the origin, or the shape at its first pose, is in the solid; near, inside: the point is in or on it
   bool inside = false;
   /// The mesh does not close, and its winding number is above 1/2, which counts as inside. distance_m is then the
-  /// distance to its surface (for near: negative), not a depth, since a way out may lead through a hole.
+  /// distance to its surface (for near: negative). It is not a depth, since a way out may lead through a hole.
   bool by_winding = false;
   bool stale = false;  // the object may have moved: its publisher is lost (LostPolicy::freeze)
 };
