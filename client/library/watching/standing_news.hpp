@@ -17,7 +17,7 @@ namespace collided::client {
 struct StandingNews : Event {
   StandingEvent reported;      // the data of the event that is not in the other members
   std::uint8_t detects = 0;    // for a region: codes::kDetect... bits
-  bool is_silent = false;      // the other part becomes the user's event; this one only if the other was missed
+  bool is_silent = false;      // the other part is the user's event; this one only if emitted as missed
   bool is_superseded = false;  // not reported, since the next nearest object's event has it as `other`
 };
 

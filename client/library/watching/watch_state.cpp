@@ -240,7 +240,7 @@ void WatchStateOf<News>::apply_began(const News& event) {
     emit_missed(held->second, EventKind::ended, EndReason::none, event.sequence);
     release(held);
   }
-  // After a crossing, a contact of an earlier life must have ended before it.
+  // A crossing implies that the object's stay of an earlier life has ended.
   if (!is_passing(event) && carry_over(event)) { return; }
   News began = event;
   end_namesake(began);
