@@ -5,7 +5,7 @@
 namespace collided::ros {
 namespace {
 
-// Clocks of machines in one laboratory differ by less; a stamp farther ahead is of another clock.
+// Clocks of machines in one laboratory differ by less; a stamp farther ahead comes from a different clock.
 constexpr std::int64_t kMostAheadNs = 500'000'000;
 
 }  // namespace
@@ -40,11 +40,11 @@ void Bridge::take(const RosJoints& joints, std::int64_t now_ns) {
     const std::optional<std::size_t> joint = robot_->find_joint(joints.names[i]);
     is_whole = is_whole && joint.has_value();
     if (!joint) continue;
-    // Publishers name joints that follow others too; where those are is computed.
+    // Publishers also name joints that mimic others; the positions of those are computed.
     const RobotJoint& found = robot_->joints()[*joint];
     if (found.kind != JointKind::fixed && !found.mimic) values.push_back({joints.names[i], joints.positions[i]});
   }
-  // A robot that reports a joint beyond its limit is there all the same.
+  // A robot that reports a joint beyond its limit is accepted all the same.
   const bool is_set = static_cast<bool>(robot_->set(values, positions_, true));
   counts_.joints += is_set && is_whole ? 0 : 1;
   if (!is_set) return;

@@ -55,7 +55,7 @@ std::size_t FollowedFrames::send(const FrameTree& frames, std::int64_t now_ns) {
       due_.push_back({*newest_ns == kAlways ? now_ns : *newest_ns, i, *pose});
     objects_[i].sent_ns = *newest_ns;
   }
-  // What was there at one instant goes together, the oldest first.
+  // Poses of one instant go together, the oldest first.
   std::stable_sort(due_.begin(), due_.end(), [](const Due& a, const Due& b) { return a.stamp_ns < b.stamp_ns; });
   for (std::size_t at = 0; at < due_.size(); ++at) {
     if (!publisher_.move(objects_[due_[at].object].object, due_[at].pose)) ++unsent_;

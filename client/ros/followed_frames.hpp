@@ -18,26 +18,26 @@ struct FollowedFramesOptions {
   LostPolicy lost_policy = LostPolicy::freeze;
 };
 
-/// Objects of the world that are moved by frames: those that move, have no publisher, and whose name, or its part after
-/// the last '/', is that of a frame.
+/// Objects of the world that are moved by frames: moving ones without a publisher whose name, or its part after the
+/// last '/', is that of a frame.
 ///
 /// threads  one at a time
 class FollowedFrames {
  public:
-  /// client and publisher must outlive it. The publisher is made to stream: frames have instants of their own.
+  /// client and publisher must outlive it. The publisher is made to stream: frames have separate instants.
   FollowedFrames(Client& client, Publisher& publisher, FollowedFramesOptions options);
 
-  /// Claims the objects that have come since the last call and whose frames are known. Returns how many; an error where
-  /// the server did not answer or refused one.
+  /// Claims the objects that have appeared since the last call and whose frames are known. Returns their number; an
+  /// error if the server did not answer or refused one.
   Result<std::size_t> find_objects(const FrameTree& frames);
   /// Sends the poses of frames that are known at a newer instant than was sent, each with that instant; those of frames
-  /// at rest once. Returns how many. What cannot be sent goes with the next call.
+  /// at rest once. Returns their number. Poses that cannot be sent go with the next call.
   ///
   /// now_ns  the instant of frames at rest, since 1970
   std::size_t send(const FrameTree& frames, std::int64_t now_ns);
 
   std::size_t size() const { return objects_.size(); }
-  /// Objects that have the name of a frame but stand still, as of the last find_objects().
+  /// Objects that have the name of a frame but are static, at the last find_objects().
   std::size_t static_count() const { return static_count_; }
   /// Followed frames that were not connected to the fixed one at the last send().
   std::size_t missing_count() const { return missing_count_; }

@@ -16,8 +16,8 @@ namespace collided::ros {
 /// The instant of a chain of static frames: it holds at all times.
 inline constexpr std::int64_t kAlways = std::numeric_limits<std::int64_t>::max();
 
-/// Frames that are known by their pose in a parent frame, each over the last seconds: what ROS calls tf. A frame has one
-/// parent at a time; between two instants its pose is interpolated, beyond the newest it is not known.
+/// Frames known by their pose in a parent frame, each over the last seconds: ROS calls this tf. A frame has one parent
+/// at a time; between two instants its pose is interpolated, beyond the newest it is unknown.
 ///
 /// source   Foote, "tf: The transform library", 2013
 /// limits   kMostFrames frames; of each kMostInstants instants, none older than kHistoryNs before its newest
@@ -28,23 +28,23 @@ class FrameTree {
   static constexpr std::size_t kMostInstants = 4'096;
   static constexpr std::int64_t kHistoryNs = 10'000'000'000;
 
-  /// What became of a pose. unnamed: a name is empty, or both are the same. bad: it is not finite, or its quaternion's
+  /// The outcome for a pose. unnamed: a name is empty, or both are the same. bad: it is not finite, or its quaternion's
   /// norm is not 1 within 1e-3. loop: the child is an ancestor of the parent. late: older than the history. full: a new
   /// frame beyond the limit.
   enum class TransformFate { yes, unnamed, bad, loop, late, full };
 
-  /// Sets where a frame is in its parent at an instant, in nanoseconds since 1970; kAlways: it is static. A leading
-  /// slash of a name counts for nothing. Another parent than before ends what was known of the frame.
+  /// Sets a frame's pose in its parent at an instant, in nanoseconds since 1970; kAlways: it is static. A leading slash
+  /// of a name is ignored. A new parent discards the frame's history.
   TransformFate set(std::string_view parent, std::string_view child, std::int64_t stamp_ns, const Pose& X_PC);
 
-  /// The newest instant at which one frame's pose in another is known; kAlways where both are at rest to each other.
-  /// Nothing where a name is unknown or nothing connects the two.
+  /// The newest instant at which one frame's pose in another is known; kAlways if both are at rest relative to each
+  /// other. Nothing if a name is unknown or nothing connects the two.
   std::optional<std::int64_t> newest_common(std::string_view fixed, std::string_view frame) const;
-  /// The pose of a frame in another one at an instant; nothing where it is not known then.
+  /// The pose of a frame in another one at an instant; nothing if it is unknown then.
   std::optional<Pose> lookup(std::string_view fixed, std::string_view frame, std::int64_t stamp_ns) const;
 
   bool has(std::string_view frame) const { return find(frame) != kNone; }
-  /// Names of all frames; those of roots too.
+  /// Names of all frames, including roots.
   const std::vector<std::string>& names() const { return names_; }
 
  private:
@@ -55,9 +55,9 @@ class FrameTree {
   };
   struct KnownFrame {
     std::uint32_t parent = kNone;
-    std::deque<StampedPose> instants;  // ascending; of a static frame a single one, at kAlways
+    std::deque<StampedPose> instants;  // ascending; a single one for a static frame, at kAlways
   };
-  /// The frames from each of two up to, without, the first that both are below.
+  /// The frames from each of two up to, but without, their first common ancestor.
   struct Chains {
     std::vector<std::uint32_t> of_fixed, of_frame;
   };

@@ -10,7 +10,7 @@ namespace {
 constexpr std::size_t kMostCloudsWaiting = 8;
 constexpr std::int64_t kLongestCloudWaitNs = 1'000'000'000;
 
-/// A rotation that maps the grid onto itself would do too; clouds of maps are mostly not turned at all.
+/// A rotation that maps the grid onto itself would do too, but clouds of maps are mostly not turned at all.
 bool is_upright(const Pose& pose) { return std::abs(std::abs(pose.rotation.w()) - 1) <= 1e-9; }
 
 }  // namespace
@@ -101,7 +101,7 @@ void LiveClouds::put(Waiting& message, const Pose& pose) {
     Eigen::Map<Vec3> point(message.points.data() + i);
     point = turn * point + pose.position;
   }
-  // By the time of reception: a sensor's clock may be another one, and decay is a matter of this one.
+  // By the time of reception: a sensor's clock may differ, and decay runs by this one.
   const Result<VoxelScan> scan = grids_[message.grid]->insert(*publisher_, std::span<const double>(message.points),
                                                               pose.position, std::chrono::nanoseconds(message.came_ns));
   if (!scan) {
@@ -115,14 +115,14 @@ void LiveClouds::put(Waiting& message, const Pose& pose) {
   counts_.dropped += scan->dropped;
 }
 
-/// The cells of a map stand along the axes of its frame, and those here along the world's.
+/// The cells of a map are along the axes of its frame, those here along the world's.
 void LiveClouds::put_map(Waiting& message, const Pose& pose) {
   if (!is_upright(pose)) return refuse("a map whose frame is turned in '" + options_.fixed + "'");
   std::optional<PublishedVoxels>& grid = grids_[message.grid];
   if (!grid) {
     VoxelOptions options = options_.voxels;
     options.cell_m = message.cell_m;
-    options.decay = {};  // a map says what it knows
+    options.decay = {};  // a map states its own content
     Result<PublishedVoxels> made =
         PublishedVoxels::start(*publisher_, options_.maps[message.grid - options_.clouds.size()], options);
     if (!made) return refuse(made.error().message);

@@ -14,16 +14,16 @@
 
 namespace collided::ros {
 
-/// What the messages became. Those from `bad` on are left out, except where said.
+/// Outcomes of the messages. Those from `bad` on are left out, unless stated otherwise.
 struct CloudCounts {
   std::uint64_t clouds = 0;  // in the world
   std::uint64_t maps = 0;
   std::uint64_t points = 0;      // in the world
-  std::uint64_t bad = 0;         // messages that cannot be meant; the first reason is told
+  std::uint64_t bad = 0;         // invalid messages; the first reason is reported
   std::uint64_t unnamed = 0;     // without a frame
   std::uint64_t frameless = 0;   // their frame was not known at their stamp, nor a second later
-  std::uint64_t unstamped = 0;   // stamped 0: taken, at the frame's newest pose
-  std::uint64_t ahead = 0;       // stamped more than half a second ahead: taken, likewise
+  std::uint64_t unstamped = 0;   // stamped 0: accepted, at the frame's newest pose
+  std::uint64_t ahead = 0;       // stamped more than half a second ahead: accepted, same pose
   std::uint64_t not_finite = 0;  // points
   std::uint64_t dropped = 0;     // points in blocks beyond the limit
   std::uint64_t unsent = 0;      // calls that the library refused or that timed out
@@ -37,7 +37,7 @@ struct LiveCloudOptions {
   VoxelOptions voxels = {};              // of clouds; a map has its own size of cells
 };
 
-/// Keeps cells in the world as clouds and maps of ROS have them. The origin of a cloud's frame is taken for its sensor.
+/// Keeps cells of clouds and maps of ROS in the world. The origin of a cloud's frame is taken as its sensor.
 ///
 /// threads  one at a time
 class LiveClouds {
@@ -45,18 +45,18 @@ class LiveClouds {
   /// The client must outlive it.
   LiveClouds(Client& client, LiveCloudOptions options) : client_(client), options_(std::move(options)) {}
 
-  /// Starts publishing; nothing to do where there are no topics.
+  /// Starts publishing; does nothing without topics.
   Result<void> start();
   void take(std::size_t topic, const CloudMessage& cloud, std::int64_t now_ns);
   void take(std::size_t topic, const OctomapMessage& map, std::int64_t now_ns);
-  /// Places what waits for its frame, lets old cells decay, and says that this publisher lives.
+  /// Places messages that wait for their frame, lets old cells decay, and signals that this publisher lives.
   void go_on(const FrameTree& frames, std::int64_t now_ns);
 
   const CloudCounts& counts() const { return counts_; }
-  /// What was wrong with messages since the last call, at most 100 sentences.
+  /// Faults of messages since the last call, at most 100 sentences.
   std::vector<std::string> take_flaws() { return std::exchange(flaws_, {}); }
   std::size_t occupied_count() const;
-  /// Null where there are no topics.
+  /// Null if there are no topics.
   Publisher* publisher() { return publisher_ ? &*publisher_ : nullptr; }
 
  private:

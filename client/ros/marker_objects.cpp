@@ -12,7 +12,7 @@ constexpr std::size_t kMostObjects = 10'000;
 constexpr std::int64_t kLongestWaitNs = 1'000'000'000;
 
 bool is_pose(const Pose& pose) {
-  constexpr double kMostOff = 1e-3;  // as of transforms
+  constexpr double kMostOff = 1e-3;  // as for transforms
   return pose.position.allFinite() && std::abs(pose.rotation.norm() - 1) <= kMostOff;
 }
 

@@ -25,7 +25,7 @@ enum MarkerType : std::int32_t {
   kTriangleList,
 };
 
-/// visualization_msgs/Marker, as far as it says what is where.
+/// visualization_msgs/Marker, the part about position and shape.
 struct MarkerMessage {
   std::string frame;
   std::int64_t stamp_ns = 0;
@@ -42,8 +42,7 @@ struct MarkerMessage {
 /// Actions of a marker.
 enum MarkerAction : std::int32_t { kAddMarker = 0, kDeleteMarker = 2, kDeleteAllMarkers = 3 };
 
-/// What fills the marker's space, in its own frame; or why there is nothing. Lines are as thick as they are drawn, and
-/// points are balls.
+/// The marker's volume, in its own frame; or why there is none. Lines are as thick as drawn, and points are balls.
 ///
 /// source  ROS wiki, "rviz/DisplayTypes/Marker"
 std::variant<Shape, std::string> shape_of(const MarkerMessage& marker);

@@ -8,18 +8,18 @@
 
 namespace collided::ros {
 
-/// What keeps a message from being placed by its frame. not_yet: its frame is not known at its stamp, but may be soon.
+/// Why a message cannot be placed by its frame. not_yet: its frame is not known at its stamp, but may be soon.
 enum class FramePlacing { done, unnamed, not_yet };
 
-/// A message's frame in the world, and how its stamp was taken.
+/// A message's frame in the world, and how its stamp was used.
 struct PlacedFrame {
   FramePlacing placing = FramePlacing::not_yet;
   Pose pose;
-  bool is_unstamped = false;  // the stamp is 0: the newest pose counts
-  bool is_ahead = false;      // more than half a second: likewise
+  bool is_unstamped = false;  // the stamp is 0: the newest pose is used
+  bool is_ahead = false;      // more than half a second: the same
 };
 
-/// Where a frame is at a message's stamp.
+/// A frame's pose at a message's stamp.
 ///
 /// fixed   the frame that is the world; a message may be in it without any transform
 /// now_ns  the time of reception

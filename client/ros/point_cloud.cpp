@@ -69,7 +69,7 @@ std::variant<std::vector<double>, std::string> points_of(const CloudMessage& clo
   const bool is_swapped = cloud.is_bigendian != (std::endian::native == std::endian::big);
   std::vector<double> points;
   if (cloud.height == 0 || cloud.width == 0) return points;
-  // Bytes bound what is asked for: a point of no bytes was refused with its fields.
+  // Bytes bound the request: a point without bytes was refused with its fields.
   points.reserve(3 * std::size_t{cloud.height} * cloud.width);
   for (std::size_t row = 0; row < cloud.height; ++row) {
     const std::uint8_t* point = cloud.data.data() + row * cloud.row_step;

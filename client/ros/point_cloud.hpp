@@ -8,7 +8,7 @@
 
 namespace collided::ros {
 
-/// A number that each point of a cloud has.
+/// A number of each point of a cloud.
 struct CloudField {
   std::string name;
   std::uint32_t offset = 0;   // bytes within a point
@@ -16,7 +16,7 @@ struct CloudField {
   std::uint32_t count = 0;
 };
 
-/// sensor_msgs/PointCloud2, from anyone.
+/// sensor_msgs/PointCloud2, untrusted.
 struct CloudMessage {
   std::string frame;
   std::int64_t stamp_ns = 0;
@@ -29,10 +29,10 @@ struct CloudMessage {
   std::span<const std::uint8_t> data;
 };
 
-/// The points, x y z each, whatever type of number the fields have; those that are not finite among them. Or what is
-/// wrong with the message.
+/// The points, x y z each, for all number types of the fields, including points that are not finite; or the message's
+/// fault.
 ///
-/// source   sensor_msgs/PointCloud2 and PointField
+/// source  sensor_msgs/PointCloud2 and PointField
 std::variant<std::vector<double>, std::string> points_of(const CloudMessage& cloud);
 
 }  // namespace collided::ros

@@ -9,7 +9,7 @@
 namespace collided::ros {
 namespace {
 
-// This process may be on the same domain as a client of a server; to Cyclone the two are apart.
+// This process may be on the same domain as a client of a server; to Cyclone the two are separate.
 constexpr int kOwnDomains = 1'000;
 
 dds::ParticipantOptions participant_of(const RosLinkOptions& options) {
@@ -42,7 +42,7 @@ struct NamedReader {
   dds::Sample<T> sample;
 };
 
-/// Calls visit(sample) for each that waits; returns how many.
+/// Calls visit(sample) for each waiting sample; returns their number.
 template <class T, class Visit>
 std::size_t take_all(dds::Reader<T>& reader, dds::Sample<T>& sample, Visit&& visit) {
   std::size_t count = 0;
@@ -65,7 +65,7 @@ RosJoints joints_of(const JointState& from) {
 }  // namespace
 
 struct RosEntities {
-  /// What takes the samples of one reader.
+  /// Takes the samples of one reader.
   using Take = std::function<std::size_t(const RosTaker&)>;
 
   explicit RosEntities(const RosLinkOptions& options)
@@ -82,7 +82,7 @@ struct RosEntities {
         clearance(clearance_topic),
         diagnostics(diagnostics_topic),
         came(participant) {
-    // One topic may have a reader and a writer; who writes must not hear itself, so it knows what it has said.
+    // One topic may have a reader and a writer; the writer must ignore its own messages, so it remembers them.
     if (options.sends_tf) tf_out.emplace(tf_topic);
     read<TfMessage>("tf", kTfTopic, [](const TfMessage& message, const RosTaker& taker) {
       for (const auto& transform : dds::view(message.transforms)) taker.transform(transform_of(transform, false));
@@ -126,7 +126,7 @@ struct RosEntities {
     }
   }
 
-  /// Reads a topic; what has come is handed over message by message.
+  /// Reads a topic; passes messages on one by one.
   template <class T, class HandOver>
   void read(const std::string& name, const wire_contract::TopicQos& like, HandOver hand_over) {
     auto reading = std::make_shared<NamedReader<T>>(participant, name, like);

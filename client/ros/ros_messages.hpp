@@ -6,7 +6,7 @@
 #include "client/ros/ros_link.hpp"
 #include "idl/ros_types.hpp"
 
-/// Between messages of ROS as they travel and plain values. A text that DDS left out is empty.
+/// Converts between messages of ROS and plain values. A text that DDS left out is empty.
 namespace collided::ros {
 
 inline constexpr std::int64_t kSecondNs = 1'000'000'000;
@@ -19,7 +19,7 @@ inline builtin_interfaces_msg_dds__Time_ time_of(std::int64_t stamp_ns) {
 }
 
 inline std::string text_of(const char* text) { return text == nullptr ? std::string() : std::string(text); }
-/// DDS only reads what is written; the text must outlive the write.
+/// DDS only reads the text, which must outlive the write.
 inline char* borrowed(const std::string& text) { return const_cast<char*>(text.c_str()); }
 
 inline Vec3 vector_of(const auto& from) { return {from.x, from.y, from.z}; }
@@ -32,7 +32,7 @@ CloudMessage cloud_of(const PointCloud& from);
 OctomapMessage octomap_of(const Octomap& from);
 MarkerMessage marker_of(const Marker& from);
 
-/// A marker without anything in it. Its texts are those of `frame` and `name`, which must outlive the write.
+/// An empty marker. Its texts are those of `frame` and `name`, which must outlive the write.
 Marker plain_marker(const std::string& frame, std::int64_t stamp_ns, const std::string& name, std::int32_t number);
 
 }  // namespace collided::ros

@@ -8,11 +8,11 @@ namespace collided::ros {
 namespace {
 
 constexpr std::chrono::milliseconds kPeriod{100};
-/// Triangles of a surface that are shown; of a larger one nothing, since a message has an end.
+/// Largest surface that is shown, in triangles; a larger one is left out, since messages are bounded.
 constexpr std::uint32_t kMostTriangles = 20'000;
 
-/// The markers of one object, each part one; a capsule is a cylinder and two balls, a cone is left out, and so is what
-/// has no end.
+/// The markers of one object, one for each part; a capsule is a cylinder and two balls; cones and unbounded parts are
+/// left out.
 class ObjectMarkers {
  public:
   ObjectMarkers(const ShownObject& object, std::vector<ShownMarker>& markers) : object_(object), markers_(markers) {}
@@ -83,7 +83,7 @@ void ShownWorld::show_objects(RosLink& link, std::int64_t now_ns) {
   if (link.show(markers, options_.fixed, now_ns)) shown_version_ = shown_.version;
 }
 
-/// A frame that is known has a broadcaster already; two would contradict each other.
+/// A known frame already has a broadcaster; two would contradict each other.
 void ShownWorld::send_poses(RosLink& link, const FrameTree& frames, std::int64_t now_ns) {
   const Result<ShownObjects> objects = client_.shapes({.moving = true}, &shown_);
   if (!objects) return;
@@ -101,7 +101,7 @@ void ShownWorld::tell_clearance(RosLink& link) {
   Result<ClearanceAnswer> answer = client_.clearance(options_.clearance_of, {.timeout = std::chrono::seconds(2)});
   clearance_error_ = answer ? std::string() : answer.error().message;
   clearance_.reset();
-  // What is not known is no number.
+  // An unknown clearance is not a number.
   double clearance_m = std::numeric_limits<double>::quiet_NaN();
   if (answer) {
     const bool is_known = answer->verdict != Verdict::undecided;

@@ -14,7 +14,7 @@
 
 namespace collided::ros {
 
-/// What ROS is to be shown of the server's world.
+/// The part of the server's world to show to ROS.
 struct ShownWorldOptions {
   std::string fixed = "world";
   std::string clearance_of = {};  // name glob; empty: no clearance
@@ -23,7 +23,7 @@ struct ShownWorldOptions {
 };
 
 /// Shows objects as markers and their poses as transforms, and the least clearance of some to all others: ten times a
-/// second at most, what stands still once a change.
+/// second at most, static objects once a change.
 ///
 /// threads  one at a time
 class ShownWorld {
@@ -32,7 +32,7 @@ class ShownWorld {
   ShownWorld(Client& client, ShownWorldOptions options) : client_(client), options_(std::move(options)) {}
 
   void go_on(RosLink& link, const FrameTree& frames, std::int64_t now_ns);
-  /// Whether this is a transform of an object that was sent here: it comes back, and says nothing new.
+  /// Whether this transform of an object was sent here: it comes back, without new information.
   bool has_sent(const RosTransform& transform) const {
     return transform.parent == options_.fixed && sent_.contains(transform.child);
   }

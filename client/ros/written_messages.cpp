@@ -53,7 +53,7 @@ bool write_contacts(dds::Writer<GzContacts>& writer, const std::vector<ShownCont
     std::array<Vector, 1> point, normal;
     std::array<double, 1> depth;
   };
-  std::deque<OneContact> numbers;  // to which the messages point
+  std::deque<OneContact> numbers;  // the messages point to these
   std::vector<::ros_gz_interfaces_msg_dds__Contact_> told;
   for (const ShownContact& contact : contacts) {
     OneContact& one = numbers.emplace_back(

@@ -8,14 +8,14 @@
 
 namespace collided::ros {
 
-// Each writes one message; false where a reader takes no more.
+// Each writes one message; false if a reader accepts no more.
 
 /// Balls at contacts and lines along their normals, as long as the contacts are deep.
 bool write_contacts(dds::Writer<MarkerArray>& writer, const std::vector<ShownContact>& contacts,
                     const std::string& frame, std::int64_t stamp_ns);
 bool write_contacts(dds::Writer<GzContacts>& writer, const std::vector<ShownContact>& contacts,
                     const std::string& frame, std::int64_t stamp_ns);
-/// The objects after one that deletes all those before.
+/// The objects after a marker that deletes all earlier ones.
 bool write_objects(dds::Writer<MarkerArray>& writer, const std::vector<ShownMarker>& objects, const std::string& frame,
                    std::int64_t stamp_ns);
 bool write_transforms(dds::Writer<TfMessage>& writer, const std::vector<RosTransform>& transforms);
