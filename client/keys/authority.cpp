@@ -29,12 +29,12 @@ constexpr int kMostDays = 3'650;
 
 [[noreturn]] void fail(const std::string& path) { throw KeyError(path + ": " + std::strerror(errno)); }
 
-/// Writes beside and renames, so that no reader meets half a file.
+/// Writes to a temporary file and renames it, so that no reader finds half a file.
 void write_file(const std::string& path, const std::string& text, mode_t mode) {
   const std::string beside = path + ".new";
   const int file = ::open(beside.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC | O_NOFOLLOW, mode);
   if (file < 0) fail(beside);
-  // What an earlier run left may be open to others.
+  // A file of an earlier run may be readable by others.
   bool worked = ::fchmod(file, mode) == 0;
   for (std::size_t done = 0; worked && done < text.size();) {
     const ssize_t wrote = ::write(file, text.data() + done, text.size() - done);
@@ -50,7 +50,7 @@ void make_folder(const std::string& path, mode_t mode) {
   if (::mkdir(path.c_str(), mode) != 0 && errno != EEXIST) fail(path);
 }
 
-/// A name goes into file names, certificates and XML.
+/// A name becomes part of file names, certificates and XML.
 void check_name(const std::string& name) {
   const auto allowed = [](char c) {
     return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '_' || c == '-';
@@ -60,7 +60,7 @@ void check_name(const std::string& name) {
     throw KeyError("'" + name + "' cannot be a name: 1 to 64 letters, digits, '_' and '-', and not '" + kSecrets + "'");
 }
 
-/// A glob goes into XML and is matched with names of objects.
+/// A glob becomes part of XML and is matched with names of objects.
 void check_glob(const std::string& glob) {
   const bool is_text =
       std::ranges::all_of(glob, [](char c) { return static_cast<unsigned char>(c) > ' ' && c != 127; });
@@ -112,7 +112,7 @@ std::string Authority::add(const std::string& name, const std::vector<KeyRole>& 
   const std::int64_t now_s = std::time(nullptr);
   const std::int64_t until_s = std::min(now_s + days * kDayS, until_s_);
   const KeyPair member = make_member(identity_, name, until_s);
-  // Written down first: what is not on the list could not be revoked.
+  // Recorded first: a certificate that is not on the list could not be revoked.
   std::string list = read_key_file(secrets_ + '/' + kIssued);
   list += facts_of(member.certificate, name).serial + ' ' + name + ' ' + std::to_string(until_s) + '\n';
   write_file(secrets_ + '/' + kIssued, list, 0600);

@@ -10,7 +10,7 @@
 
 namespace collided::keys {
 
-/// What is wrong, or will be soon, with one folder of keys.
+/// A present or upcoming fault of one folder of keys.
 struct KeyFinding {
   enum class Kind { good, soon, wrong };
   Kind kind = Kind::good;
@@ -18,27 +18,27 @@ struct KeyFinding {
   std::string text;
 };
 
-/// Two authorities in one folder: one says who somebody is, the other what he may do. DIR/authority has their keys and
-/// stays where it is; DIR/NAME is to be copied to where NAME runs.
+/// Two authorities in one folder: one certifies identities, the other permissions. DIR/authority has their keys and
+/// stays in place; DIR/NAME must be copied to the machine that runs NAME.
 ///
-/// Everything here throws KeyError, which says what was not done. One process at a time.
+/// Everything here throws KeyError, which names the step that was not done. One process at a time.
 class Authority {
  public:
-  /// Makes both authorities in a new folder, good for ten years.
+  /// Makes both authorities in a new folder, valid for ten years.
   static void init(const std::string& folder, Protection protection);
-  /// Opens what init() made.
+  /// Opens the folder made by init().
   explicit Authority(const std::string& folder);
 
-  /// Makes DIR/NAME, or renews it: keys made before stay good until they expire or are revoked.
+  /// Makes DIR/NAME, or renews it: earlier keys stay valid until they expire or are revoked.
   ///
   /// returns  the folder
   std::string add(const std::string& name, const std::vector<KeyRole>& roles, const std::vector<std::string>& objects,
                   int days);
   /// Puts all certificates of that name onto the list of revoked ones, in every folder, and deletes DIR/NAME.
   ///
-  /// returns  how many
+  /// returns  their number
   std::size_t revoke(const std::string& name);
-  /// Every folder of keys: what is missing, what does not fit, what expires within 30 days.
+  /// Checks every folder of keys: what is missing, does not match, or expires within 30 days.
   std::vector<KeyFinding> check() const;
 
  private:
@@ -50,7 +50,7 @@ class Authority {
   std::vector<Issued> issued() const;
   std::set<std::string> revoked() const;
   void write_revoked(const std::set<std::string>& serials) const;
-  /// Those who have a folder here.
+  /// The names with a folder here.
   std::set<std::string> names() const;
 
   std::string folder_;

@@ -26,7 +26,7 @@ void check(bool worked, const char* what) {
   throw KeyError(std::string("keys: ") + what + ": " + reason);
 }
 
-/// Clocks of several machines differ; a certificate is good everywhere at once.
+/// Clocks of several machines differ; a certificate is valid everywhere at once.
 constexpr std::int64_t kClockSlackS = 3'600;
 
 void add_extension(X509& certificate, int kind, const char* value) {
@@ -39,7 +39,7 @@ void add_extension(X509& certificate, int kind, const char* value) {
 
 void set_random_serial(X509& certificate) {
   const Number number(BN_new());
-  // 127 bits, so that it is positive; nobody guesses the next one.
+  // 127 bits, so that it is positive; the next one cannot be guessed.
   check(BN_rand(number.get(), 127, BN_RAND_TOP_ONE, BN_RAND_BOTTOM_ANY) == 1, "random number");
   check(BN_to_ASN1_INTEGER(number.get(), X509_get_serialNumber(&certificate)) != nullptr, "serial number");
 }
@@ -74,7 +74,7 @@ PrivateKey make_key() {
   return key;
 }
 
-/// The authority's own two halves.
+/// The authority's own key and certificate.
 struct Signer {
   explicit Signer(const KeyPair& pair) : certificate(certificate_of(pair.certificate)), key(private_key_of(pair.key)) {
     check(certificate && key, "read the authority");

@@ -64,7 +64,7 @@ std::string elements(const std::string& group, const std::string& name, const st
   return element(group, all);
 }
 
-/// Names of topics are "<namespace>/<suffix>", and any namespace will do.
+/// Names of topics are "<namespace>/<suffix>", with any namespace.
 std::string criteria(const std::string& kind, const std::set<std::string>& suffixes,
                      const std::vector<std::string>& partitions, const std::string& data_tags = {}) {
   if (suffixes.empty() || partitions.empty()) return {};
@@ -86,7 +86,7 @@ std::string_view name_of(Protection protection) { return kProtections[static_cas
 
 std::string governance_xml(Protection protection) {
   const std::string kind = kProtectionKinds[static_cast<std::size_t>(protection)];
-  // What participants tell of their topics is protected like the topics themselves.
+  // Participants' announcements of their topics are protected like the topics themselves.
   const std::string topic_rule = element(
       "topic_rule", element("topic_expression", "*") + element("enable_discovery_protection", "true") +
                         element("enable_liveliness_protection", "true") +

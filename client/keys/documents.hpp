@@ -11,12 +11,12 @@
 /// The two kinds of document that the permissions authority signs (DDS Security 1.1, 9.4.1).
 namespace collided::keys {
 
-/// How what goes over the network is protected, beyond who may join. none: only that. sign: it cannot be changed or
-/// forged on its way. encrypt: nor read.
+/// Protection of network traffic, beyond access control. none: only that. sign: it cannot be changed or forged in
+/// transit. encrypt: nor read.
 enum class Protection { none, sign, encrypt };
 std::string_view name_of(Protection protection);
 
-/// Whom the permissions are for and what they allow.
+/// The subject of the permissions and what they allow.
 struct Grant {
   std::string name;  // common name of the certificate
   std::vector<KeyRole> roles;
@@ -25,7 +25,7 @@ struct Grant {
   std::int64_t until_s = 0;
 };
 
-/// The same for all participants: nobody joins without a certificate, every topic has rights.
+/// The same for all participants: none joins without a certificate, and every topic has rights.
 std::string governance_xml(Protection protection);
 std::string permissions_xml(const Grant& grant);
 

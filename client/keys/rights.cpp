@@ -32,7 +32,7 @@ void add_watching(TopicRights& rights) {
                     &kStandingStateTopic});
 }
 
-/// With what a recording holds.
+/// Including the content of a recording.
 void add_everything(TopicRights& rights) {
   add_client(rights);
   add_watching(rights);

@@ -10,14 +10,14 @@
 
 namespace collided::keys {
 
-/// What somebody may be in a world. Roles add up.
+/// The roles in a world. They add up.
 enum class KeyRole { server, standby, publisher, asker, watcher, admin };
 std::string_view name_of(KeyRole role);
-/// None where the name is no role's.
+/// None if no role has the name.
 std::optional<KeyRole> role_of(std::string_view name);
 std::span<const KeyRole> all_roles();
 
-/// A set of topics by their place in the namespace, and what may be sent on the topic of queries.
+/// A set of topics by their place in the namespace, and the rights on the topic of queries.
 struct TopicRights {
   std::set<std::string> write;
   std::set<std::string> read;
