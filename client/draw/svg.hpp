@@ -34,17 +34,17 @@ struct Rectangle {
 /// Which point of a text is placed.
 enum class Anchor { start, middle, end };
 
-/// Width of a text in pixels in the widest of the usual sans-serif fonts (DejaVu Sans), so that texts placed by it do
+/// Width of a text in pixels in the widest of the common sans-serif fonts (DejaVu Sans), so that texts placed by it do
 /// not overlap in a narrower one either.
 double text_width(std::string_view text, double size_px);
 
 /// The bounding rectangle of a text whose base line starts, is centred or ends at (x, y).
 Rectangle text_box(double x, double y, std::string_view text, double size_px, Anchor anchor);
 
-/// The text with the characters escaped that XML reserves.
+/// The text with XML's reserved characters escaped.
 std::string escaped(std::string_view text);
 
-/// A pixel coordinate as text: two digits after the point, whatever the locale, and no minus before zero.
+/// A pixel coordinate as text: two digits after the point in every locale, and no minus before zero.
 std::string pixels(double value);
 
 /// "1e-6" for powers of ten and small or large numbers, "0.25" for the others.
@@ -53,8 +53,8 @@ std::string tick_text(double value);
 /// The text broken at blanks into lines no wider than width_px.
 std::vector<std::string> wrapped(std::string_view text, double size_px, double width_px);
 
-/// An SVG under construction. It remembers the rectangle of every text and mark, so that what is placed later can avoid
-/// them. The same calls give the same bytes. One thread.
+/// An SVG under construction. It remembers the rectangle of every text and mark, so that later items can avoid them.
+/// The same calls give the same bytes. One thread.
 class Canvas {
  public:
   Canvas(double width, double height, std::string_view title);
@@ -72,7 +72,7 @@ class Canvas {
   /// hollow  outline only
   void mark(double x, double y, int shape, const char* color, bool hollow = false);
 
-  /// Whether the rectangle overlaps nothing that was placed.
+  /// Whether the rectangle overlaps no placed item.
   bool is_free(const Rectangle& r) const;
   void occupy(const Rectangle& r) { occupied_.push_back(r); }
 
@@ -87,7 +87,7 @@ class Canvas {
   std::vector<Rectangle> occupied_;
 };
 
-/// Writes the title in bold at the top, in as many lines as it needs. Returns the y from which on the drawing has room.
+/// Writes the title in bold at the top, in as many lines as it needs. Returns the y below which the drawing has room.
 double draw_title(Canvas& canvas, std::string_view title);
 
 }  // namespace collided::draw

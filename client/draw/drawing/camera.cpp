@@ -8,16 +8,15 @@ namespace collided::draw {
 namespace {
 
 constexpr double kMargin = 0.04;  // of the picture, on each side
-// The least ratio of a picture's sides, so that a wall seen from its end does not give a picture a few pixels wide.
+// The least ratio of a picture's sides, so that a wall seen end-on does not give a picture a few pixels wide.
 constexpr double kLeastAspect = 0.3;
 constexpr double kMostAspect = 1.4;
-/// The direction to the eye where none is given: above and to the right of the front, where z is up. Three sides of a
-/// box are visible from there, in different shapes.
+/// The default direction to the eye: above and to the right of the front, with z up. Three sides of a box are visible
+/// from there, in different shapes.
 const Vec3 kUsualSide = Vec3(0.5, -1, 0.75).normalized();
 /// Tangent of the largest angle from the axis to a side. An eye in the middle of the scene does not see all of it.
 constexpr double kWidestTangent = 1.2;
-/// Distance of the eye where none is given, in radii of the scene: near enough for visible perspective, far enough not
-/// to distort.
+/// Default distance of the eye, in radii of the scene: near enough for visible perspective, far enough not to distort.
 constexpr double kUsualDistance = 3.2;
 
 struct Bounds {
@@ -83,7 +82,7 @@ Camera Camera::fitted(const View& view, std::span<const Vec3> points) {
     if (view.is_orthographic) {
       camera.nearest_m_ = std::min(camera.nearest_m_, q.z());
       frame.extend(q.x(), q.y());
-    } else if (q.z() > 0.02 * radius_m) {  // a point beside the eye would make the frame infinite
+    } else if (q.z() > 0.02 * radius_m) {  // a point next to the eye would make the frame infinite
       frame.extend(q.x() / q.z(), q.y() / q.z());
     }
   }

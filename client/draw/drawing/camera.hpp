@@ -8,13 +8,13 @@
 
 namespace collided::draw {
 
-/// How the user wants to see the scene. What is left out is chosen to fit the points of the scene.
+/// How the user wants to see the scene. Empty values are chosen to fit the points of the scene.
 struct View {
   std::optional<Vec3> from{};
   std::optional<Vec3> at{};
   Vec3 up = Vec3::UnitZ();
   bool is_orthographic = false;
-  std::optional<double> field_of_view_rad{};  // across the picture's width; none: as much as everything takes
+  std::optional<double> field_of_view_rad{};  // across the picture's width; none: as much as the scene needs
   double width_px = 1200;
 };
 
@@ -30,8 +30,8 @@ struct ImagePoint {
 class Camera {
  public:
   /// A camera for a view.
-  /// points  to be in the picture, finite; those behind the eye are ignored. Without any, a metre about the origin is
-  ///         shown
+  /// points  that must be in the picture, finite; those behind the eye are ignored. Without any, a metre about the
+  ///         origin is shown
   static Camera fitted(const View& view, std::span<const Vec3> points);
 
   double width_px() const { return width_px_; }
@@ -48,12 +48,12 @@ class Camera {
   Vec3 toward_eye(const Vec3& point) const;
   /// The size of a pixel at that point, in metres.
   double pixel_m(const Vec3& point) const;
-  /// The ray that finds what is seen at a place of the picture. It begins at the eye or, for a parallel projection, at
-  /// a plane in front of everything.
+  /// The ray through a place of the picture. It begins at the eye or, for a parallel projection, at a plane in front of
+  /// everything.
   RayQuestion through(double x, double y) const;
-  /// The ray from bias_m in front of a point to the eye. The point is visible where it hits nothing.
+  /// The ray from bias_m in front of a point to the eye. The point is visible if it hits nothing.
   RayQuestion sight(const Vec3& point, double bias_m) const;
-  /// The part of a segment that is in the picture, as fractions of its length in space; nothing: none is.
+  /// The part of a segment that is in the picture, as fractions of its length in space; nothing: no part.
   std::optional<std::pair<double, double>> clip(const Vec3& a, const Vec3& b) const;
   /// The point of a segment that appears at this fraction of its image. Both depths must be above 0.
   static Vec3 at_image_fraction(const Vec3& a, const Vec3& b, double a_depth_m, double b_depth_m, double fraction);

@@ -150,7 +150,7 @@ void add_marks(const DrawOptions& options, double scene_m, Drawing& drawing) {
   }
 }
 
-/// The points that the picture has to show.
+/// The points that must be in the picture.
 std::vector<Vec3> with_standing(std::vector<Vec3> points, const DrawOptions& options) {
   for (const StandingMark& mark : options.standing) {
     if (mark.is_endless) continue;

@@ -19,7 +19,7 @@ struct ContactMark {
   double depth_m = 0;
 };
 
-/// A ray to be drawn, up to its hit or to where it leaves the picture.
+/// A ray to draw, up to its hit or to the edge of the picture.
 struct RayMark {
   Vec3 origin;
   Vec3 end;
@@ -29,7 +29,7 @@ struct RayMark {
 /// The outline of a standing question, drawn as dashed lines over everything.
 struct StandingMark {
   std::vector<std::vector<Vec3>> lines;  // in the world
-  bool is_held = false;                  // the question holds something
+  bool is_held = false;                  // the question holds an object
   bool is_endless = false;               // the picture need not show all of its lines
 };
 
@@ -63,7 +63,7 @@ struct Drawing {
 double contact_width_px(double depth_m, double scene_m);
 
 /// Draws the objects. Visibility, tones and clearance come from questions to the server, about its newest state each
-/// time; an object that moves meanwhile is drawn where it was in `shown`. Throws Error.
+/// time; an object that moves meanwhile is drawn at its pose in `shown`. Throws Error.
 Drawing draw(const ShownObjects& shown, const DrawOptions& options, Rays& rays);
 
 }  // namespace collided::draw

@@ -15,7 +15,7 @@ ExactVector exactly(const Vec3& v) { return client::exact({v.x(), v.y(), v.z()})
 /// three subtractions, a cross product and a scalar product.
 constexpr double kFilter = 32 * 0x1p-53;
 
-/// The sign of (u x v) . displacement where double decides it; else 0.
+/// The sign of (u x v) . displacement if double decides it; else 0.
 int sure_sign(const Vec3& u, const Vec3& v, const Vec3& displacement) {
   const double value = u.cross(v).dot(displacement);
   const double spread = 6 * u.cwiseAbs().maxCoeff() * v.cwiseAbs().maxCoeff() * displacement.cwiseAbs().maxCoeff();

@@ -31,10 +31,10 @@ inline constexpr double kCurveError_px = 0.1;
 ///
 /// Whether an edge of a surface is a silhouette is decided by the exact signs of n . (eye - p), so that silhouettes of
 /// a closed mesh are loops. Silhouettes of spheres, capsules, cylinders, cones and ellipsoids are in closed form. An
-/// edge whose other triangle belongs to an object that is not shown is a boundary. Half-spaces have no lines. Where
-/// solids overlap, the lines along which their surfaces meet are not found.
+/// edge whose other triangle belongs to an object that is not shown is a boundary. Half-spaces have no lines. If solids
+/// overlap, the lines along which their surfaces meet are not found.
 ///
-/// shown    fetched with ShapesOptions::edges
+/// shown  fetched with ShapesOptions::edges
 std::vector<FeatureLine> feature_lines(const ShownObjects& shown, const Camera& camera);
 
 /// Corners, ends and poles of the objects, which the picture should contain. Half-spaces have none.

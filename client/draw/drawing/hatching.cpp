@@ -7,7 +7,7 @@
 namespace collided::draw {
 namespace {
 
-/// The darkness in [0, 1] from which on a line is drawn. Lines far apart come first, those between them at darker
+/// The least darkness in [0, 1] at which a line is drawn. Lines far apart come first, those between them at darker
 /// tones; the pattern repeats after 8 lines.
 double threshold_of(int line) {
   static constexpr int kTurn[8] = {0, 4, 2, 6, 1, 5, 3, 7};  // bits reversed

@@ -17,7 +17,7 @@ Vec3 placed(const Pose& pose, const Vec3& p) { return pose.rotation * p + pose.p
 
 /// The eye: a point or, for a parallel projection, a direction.
 struct Eye {
-  Vec3 place;  // a point; where is_far, the direction to the eye
+  Vec3 place;  // a point; if is_far, the direction to the eye
   bool is_far;
   Vec3 from(const Vec3& p) const { return is_far ? place : Vec3(place - p); }
 };

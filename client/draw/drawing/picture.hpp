@@ -13,7 +13,7 @@ using Spot = std::array<double, 2>;  // pixels, y downward
 
 /// How a stroke is drawn. All strokes of one ink make one mark, which is no darker where they overlap.
 struct Ink {
-  std::string name;   // what it stands for; the class in SVG
+  std::string name;   // its meaning; the class in SVG
   std::string color;  // #rrggbb
   double width_px = 1;
   bool operator==(const Ink&) const = default;
@@ -53,7 +53,7 @@ struct Picture {
 /// The picture as SVG: one path for each ink, pixels as rectangles without gaps. The same picture gives the same bytes.
 std::string as_svg(const Picture& picture);
 
-/// The picture as PNG, with strokes anti-aliased by each pixel's distance from their middle. Empty where libpng fails.
+/// The picture as PNG, with strokes anti-aliased by each pixel's distance from their middle. Empty if libpng fails.
 std::string as_png(const Picture& picture);
 
 /// The strokes as text in braille: a dot for a pixel, two across and four down for each character. Lines end with "\n".

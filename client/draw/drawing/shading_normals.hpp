@@ -18,7 +18,7 @@ class ShadingNormals {
   /// shown  must outlive this. A surface is prepared when one of its triangles is first hit
   ShadingNormals(const ShownObjects& shown, double crease_cosine);
 
-  /// The index in ShownObjects of the object that was hit; kNobody: it came later.
+  /// The index in ShownObjects of the hit object; kNobody: it was added later.
   static constexpr std::uint32_t kNobody = 0xffffffff;
   std::uint32_t object_of(const Hit& hit) const;
 

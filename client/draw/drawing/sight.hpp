@@ -8,16 +8,16 @@
 
 namespace collided::draw {
 
-/// Asks a server the questions of a drawing, and counts them. Every call throws Error where the server does not answer.
+/// Asks a server the questions of a drawing, and counts them. Every call throws Error if the server does not answer.
 /// One thread.
 class Rays {
  public:
-  /// options  which objects are seen and hide others: only, skip, mask; and the timeout
+  /// options  which objects are visible and hide others: only, skip, mask; and the timeout
   Rays(Client& client, AskOptions options) : client_(client), options_(std::move(options)) {}
 
   /// The first hit of each ray, in batches of 20,000, each about one state of the world.
   std::vector<Answer> first_hits(std::span<const RayQuestion> rays);
-  /// By ray: 1 where it hits nothing.
+  /// By ray: 1 if it hits nothing.
   std::vector<std::uint8_t> are_free(std::span<const RayQuestion> rays);
   /// The nearest object for each question, except those whose names match `skip`.
   std::vector<Answer> nearest(std::span<const NearQuestion> questions, const std::string& skip);
@@ -69,14 +69,13 @@ struct SightOptions {
 };
 
 /// Decides which pieces of segments are visible: by samples along every segment, and where two neighbours differ, by
-/// bisection between them. A sample is visible where the ray from in front of it to the eye hits nothing. Undecided
+/// bisection between them. A sample is visible if the ray from in front of it to the eye hits nothing. Undecided
 /// answers count as visible.
 /// cost  a ray for each sample, and log2(spacing / precision) for each change
 std::vector<Piece> seen_pieces(std::span<const LineSegment> segments, const Camera& camera, Rays& rays,
                                const SightOptions& options = {});
 
-/// The ray that decides whether a point is visible. It begins bias_px in front of it, or more where rounding requires
-/// it.
+/// The ray that decides whether a point is visible. It begins bias_px in front of it, or more if rounding requires it.
 RayQuestion sight_of(const Vec3& point, const Camera& camera, double bias_px);
 
 }  // namespace collided::draw

@@ -16,7 +16,7 @@ constexpr std::chrono::seconds kOutlinePatience{1};
 
 std::vector<double> line_between(const Vec3& a, const Vec3& b) { return {a.x(), a.y(), a.z(), b.x(), b.y(), b.z()}; }
 
-/// From one object's nearest point to the other's; nothing if they touch, or that is not known.
+/// From one object's nearest point to the other's; nothing if they touch, or the answer is unknown.
 void add_line_from_object(Client& client, StandingOutline& outline) {
   const Result<PairAnswer> pair = client.pair(outline.to, outline.holds.front().object, {.timeout = kOutlinePatience});
   if (!pair || pair->verdict == Verdict::undecided) return;

@@ -9,10 +9,10 @@
 
 namespace collided::draw {
 
-/// What pictures show of a standing question: a region, one band about one object, or the line from what a question for the
-/// nearest is about to the object that is nearest.
+/// The drawing of a standing question: a region, one band about one object, or the line to the nearest object from the
+/// carrier or point of a question for the nearest.
 struct StandingOutline : OutlinedStanding {
-  std::optional<double> distance_m = {};  // of the nearest, along the line; nothing: not known
+  std::optional<double> distance_m = {};  // of the nearest, along the line; nothing: unknown
 
   /// The object in whose frame the lines are; empty: they are in the world.
   const std::string& carrier() const;
@@ -30,8 +30,8 @@ constexpr auto fields_of(const StandingOutline*) {
 /// with_lines  false: without them the answer is shorter
 Result<std::vector<StandingOutline>> standing_outlines(Client& client, bool with_lines);
 
-/// The questions for the nearest, each with a line in the world between both objects as they stand now; without a line if no
-/// object is near enough. At most 50. Asks the server once, and once for each line.
+/// The questions for the nearest, each with a line in the world between both objects at their present poses; without a
+/// line if no object is near enough. At most 50. Asks the server once, and once for each line.
 Result<std::vector<StandingOutline>> nearest_outlines(Client& client);
 
 /// The lines of an outline in the world.

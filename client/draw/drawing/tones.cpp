@@ -111,8 +111,7 @@ class Caster {
   }
 
   /// Fills a cell whose corners have the same number, with light interpolated between them. The pixels between have
-  /// that number too, since each number stands for an interval of light. False where the corners differ or a line
-  /// passes.
+  /// that number too, since each number represents an interval of light. False if the corners differ or a line passes.
   bool fill(const ToneCell& cell, int step) {
     const auto corner = corners(cell, step);
     std::array<const Pixel*, 4> p{};

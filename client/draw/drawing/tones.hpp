@@ -13,7 +13,7 @@ namespace collided::draw {
 
 /// Colours some objects by their distance to all objects with other names.
 struct ClearanceRamp {
-  std::vector<std::uint8_t> is_measured;  // by shown object
+  std::vector<std::uint8_t> is_measured;  // matches the names of coloured objects
   std::string name_glob;                  // matches the names of those that are coloured
   double reach_m = 1;                     // distances beyond it are in the last band
   int bands = 8;
@@ -39,8 +39,8 @@ struct ToneMap {
 /// The tone, from 0 to k - 1, for a light n . l: 0 below 1/k, also for negative values.
 int tone_of(double light, int tones);
 
-/// Computes the tones with rays through every fourth pixel, and through the pixels between where neighbours differ or a
-/// line passes. So tones change exactly at the pixel where n . l crosses a threshold, unless a shape is only some
+/// Computes the tones with rays through every fourth pixel, and through the pixels between if neighbours differ or a
+/// line passes. So tones change exactly at the pixel where n . l crosses a threshold, unless a shape is only a few
 /// pixels large.
 /// lines  of the picture; every pixel on them gets a ray
 ToneMap cast_tones(const ShownObjects& shown, const Camera& camera, std::span<const LineSegment> lines,
