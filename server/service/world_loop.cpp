@@ -451,8 +451,8 @@ std::string WorldLoop::publisher_name(std::uint64_t publisher) const {
   return found == publisher_names_.end() ? std::string() : found->second;
 }
 
-/// Ends all contacts, and empties all fences, by removing their moving objects: a contact ends with either of its objects, and a part of a scene
-/// cannot be removed alone.
+/// Ends all contacts, and empties all fences, by removing their moving objects: a contact ends with either of its
+/// objects, and a part of a scene cannot be removed alone.
 void WorldLoop::end_contacts() {
   std::vector<ObjectId> objects;
   for (const OpenContact& contact : with_.world.contacts()) {

@@ -38,8 +38,8 @@ class SourceClock {
   /// source_ns    the publisher's stamp; 0: none
   /// received_ns  server's clock
   WorldStamp stamp(std::int64_t source_ns, std::int64_t received_ns);
-  /// The world time of a sign of life, which comes between batches and may be stamped a little after the next one. Nothing
-  /// before the first good stamp, and for a clock that has jumped ahead.
+  /// The world time of a sign of life, which comes between batches and may be stamped a little after the next one.
+  /// Nothing before the first good stamp, and for a clock that has jumped ahead.
   std::optional<std::int64_t> alive_at(std::int64_t source_ns, std::int64_t received_ns) const;
   /// Whether a good stamp has come.
   bool has_started() const { return started_; }

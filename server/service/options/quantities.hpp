@@ -27,7 +27,8 @@ std::optional<std::array<double, 6>> parse_box_m(std::string_view text);
 bool is_namespace(std::string_view name);
 inline constexpr const char* kNamespaces = "1 to 64 letters, digits, '_' and '/', not starting with a digit";
 
-/// Whether a word has only the letters of addresses and interfaces, so that it may become part of DDS's own configuration.
+/// Whether a word has only the letters of addresses and interfaces, so that it may become part of DDS's own
+/// configuration.
 bool is_network_word(std::string_view word);
 
 /// Whether from_chars takes the whole text as a number ("-1", "-.5", "+3", "1e-300", "-inf"): it is then never an

@@ -206,8 +206,8 @@ void FlightRecorder::on_fatal_signal(int signal) {
   std::raise(signal);
 }
 
-/// Only unlink, open, write and close: a signal handler may neither allocate nor lock. Without checksums and without an end
-/// record; a reader takes such a file up to its last whole chunk.
+/// Only unlink, open, write and close: a signal handler may neither allocate nor lock. Without checksums and without an
+/// end record; a reader takes such a file up to its last whole chunk.
 void FlightRecorder::write_crash_file() const {
   ::unlink(crash_path_.c_str());  // an earlier file would keep its old permissions
   const int file = ::open(crash_path_.c_str(), O_CREAT | O_TRUNC | O_WRONLY | O_CLOEXEC, 0600);
