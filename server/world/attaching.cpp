@@ -12,8 +12,8 @@ Refusal refused(const ObjectInfo& child, const std::string& why) {
 
 }  // namespace
 
-/// Has the object's poses follow another publisher's time. What had been decided of it stays so: its pairs with other
-/// publishers' objects go on from there.
+/// Makes the object's poses follow another publisher's time. Earlier decisions stay; its pairs with other publishers'
+/// objects go on from there.
 void World::State::give_time_of(std::uint64_t publisher, ObjectId id) {
   const std::uint32_t slot = slot_of(id);
   const std::uint32_t before = rows.source(slot);
@@ -25,7 +25,7 @@ void World::State::give_time_of(std::uint64_t publisher, ObjectId id) {
   attachments.for_each_child(id, [&](const AttachedObject& attached) { give_time_of(publisher, attached.child); });
 }
 
-/// What is attached moves as a part of its parent: about the point that moves straight there.
+/// An attached object moves as a part of its parent, about the point of the parent that moves straight.
 void World::State::take_pivot(ObjectId id) {
   const AttachedObject* const attached = attachments.find(id);
   Vec3 pivot = Vec3::Zero();
@@ -34,7 +34,7 @@ void World::State::take_pivot(ObjectId id) {
   attachments.for_each_child(id, [&](const AttachedObject& of) { take_pivot(of.child); });
 }
 
-/// Brings what is attached to an object to where that puts it.
+/// Moves what is attached to an object along with it.
 void World::State::carry(ObjectId parent, const Pose& pose, std::int64_t time_ns, bool teleport, bool is_streamed) {
   attachments.for_each_child(parent, [&](const AttachedObject& attached) {
     move(attached.child, composed(pose, attached.in_parent), time_ns, teleport, is_streamed);
@@ -69,8 +69,8 @@ std::optional<Refusal> World::attach(ObjectId child, ObjectId parent, const std:
   return std::nullopt;
 }
 
-/// The object has its parent's time and doubts from now on, and is where the parent has it. That may be a rounding beside
-/// where it was: then its place follows from the parent's on each server alike, whenever they learn of the two.
+/// From now on the object has its parent's time and doubts, and its pose follows from the parent's. That may move it by
+/// a rounding, but every server then computes the same pose, whenever it learns about the two.
 void World::State::join_parent(ObjectId child, ObjectId parent) {
   const Source& source = sources[rows.source(slot_of(parent))];
   give_time_of(source.publisher, child);
@@ -92,8 +92,8 @@ bool World::detach(ObjectId child) {
   return true;
 }
 
-/// After objects were removed: what was attached to one that is there again under its name is attached to that; else it
-/// stays where it is.
+/// After objects were removed: a child of a parent that was redefined under its name is attached to the new object; any
+/// other child stays where it is.
 void World::State::settle_attachments() {
   if (!std::exchange(has_lost_attached, false)) return;
   const auto moving_named = [&](const std::string& name, ObjectId id) -> ObjectId {

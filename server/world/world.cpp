@@ -17,7 +17,7 @@
 namespace collided::engine {
 namespace {
 
-/// The saved index where there is a valid one, else one built anew.
+/// Returns the saved index if it is valid, else builds one.
 Bvh index_of(const TriangleMesh& mesh, const SavedIndex& saved, const std::string& name, const BvhOptions& options,
              std::vector<std::string>& warnings) {
   if (!saved.bytes.empty()) {
@@ -34,7 +34,7 @@ std::string_view bytes_of(const std::vector<T>& items) {
   return {reinterpret_cast<const char*>(items.data()), items.size() * sizeof(T)};
 }
 
-/// Bit for bit: -0 and 0 differ.
+/// Compares bit for bit: -0 and 0 differ.
 bool are_equal(const TriangleMesh& a, const TriangleMesh& b) {
   return &a == &b || (bytes_of(a.vertices) == bytes_of(b.vertices) && bytes_of(a.triangles) == bytes_of(b.triangles));
 }
@@ -45,7 +45,7 @@ Refusal name_taken(const std::string& name, const ObjectInfo* holder) {
   return {"the name '" + name + "' is taken" + of + "; names are unique in a world. Nothing was added"};
 }
 
-/// The entry of a part in a list in the order of parts; null: it has none.
+/// The entry for a part in a list ordered by part; null if it has none.
 template <class Entry>
 const Entry* entry_of(const std::vector<Entry>& entries, std::uint32_t part) {
   const auto found = std::lower_bound(entries.begin(), entries.end(), part,
@@ -55,7 +55,7 @@ const Entry* entry_of(const std::vector<Entry>& entries, std::uint32_t part) {
 
 }  // namespace
 
-/// Objects with equal meshes share one mesh and one index, whichever publisher sent them.
+/// Objects with equal meshes share one mesh and one index, even if different publishers sent them.
 std::shared_ptr<const IndexedMesh> World::State::mesh_for(const ObjectDefinition& definition) {
   const std::hash<std::string_view> hash;
   const TriangleMesh& mesh = *definition.shape.mesh;
@@ -69,7 +69,7 @@ std::shared_ptr<const IndexedMesh> World::State::mesh_for(const ObjectDefinition
   if (!added) {
     added = indexed_mesh(definition.shape.mesh, Bvh::build(mesh, {.threads = 1, .progress = {}, .cancelled = {}}));
   }
-  // All are looked at once for each time that their number doubles: twenty thousand objects may come with one each.
+  // Expired entries are removed each time the table has doubled: twenty thousand objects may come with one mesh each.
   if (meshes.size() >= meshes_looked_through_at) {
     std::erase_if(meshes, [](const auto& entry) { return entry.second.expired(); });
     meshes_looked_through_at = std::max<std::size_t>(64, 2 * meshes.size());
@@ -347,7 +347,7 @@ bool World::State::move(ObjectId id, const Pose& pose, std::int64_t time_ns, boo
 bool World::move(ObjectId id, const Pose& pose, std::int64_t time_ns, bool teleport) {
   const OwnFloatEnvironment own_floats;
   const bool moved = state_->move(id, pose, time_ns, teleport, false);
-  // The pose comes from elsewhere than the lost publisher: the object is there now, with no known speed.
+  // The pose does not come from the lost publisher: the object is there now, with unknown speed.
   if (const auto found = state_->stale_places.find(id); found != state_->stale_places.end()) {
     StaleObject& stale = state_->stale_objects[found->second];
     stale.position = pose.position;

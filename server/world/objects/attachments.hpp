@@ -27,20 +27,19 @@ struct AttachedObject {
 };
 
 /// Which objects move along with which.
-/// threads  the writer's only, but table()
-/// Always: an object has one parent at most, and is none of its own ancestors.
+/// threads  writer only, except table() Always: an object has at most one parent and is never its own ancestor.
 class Attachments {
  public:
   static constexpr std::size_t kMost = 1'000;
 
   bool empty() const { return attached_.empty(); }
   const std::vector<AttachedObject>& all() const { return attached_; }
-  /// Null: the object is not attached.
+  /// Null if the object is not attached.
   const AttachedObject* find(ObjectId child) const;
   bool is_parent(ObjectId id) const;
-  /// The object is the other, or moves along with it, over whatever is between.
+  /// True if the object is `other` or is attached to it, directly or through other objects.
   bool follows(ObjectId id, ObjectId other) const;
-  /// Calls visit(attached) for each object attached to this one itself.
+  /// Calls visit(attached) for each object attached directly to this one.
   template <class Visit>
   void for_each_child(ObjectId parent, Visit&& visit) const {
     if (slot_of(parent) >= children_.size()) return;
@@ -53,14 +52,14 @@ class Attachments {
   void replace(std::size_t index, ObjectId child, ObjectId parent);
   void remove(ObjectId child);
 
-  /// For readers: replaced when something changes; null where nothing is attached.
+  /// For readers: replaced on every change; null if nothing is attached.
   const std::shared_ptr<const ParentOf>& table() const { return table_; }
 
  private:
   void index();
 
   std::vector<AttachedObject> attached_;
-  std::vector<std::vector<std::uint32_t>> children_;  // numbers in attached_, by the parent's slot
+  std::vector<std::vector<std::uint32_t>> children_;  // indexes into attached_, by the parent's slot
   std::shared_ptr<const ParentOf> table_;
 };
 

@@ -7,8 +7,8 @@
 
 namespace collided::engine {
 
-/// Room for more entries, by an eighth and not twofold where they come one by one: an entry that is added costs some copies,
-/// and columns are most of what a crowd takes.
+/// Makes room for more entries. A column grows by an eighth, not twofold: each added entry then costs some copies, but
+/// columns take most of a large world's memory.
 template <class T>
 void reserve_column(std::vector<T>& column, std::size_t count, std::size_t share = 8) {
   if (count > column.capacity()) column.reserve(std::max(count, column.capacity() + column.capacity() / share + 16));
@@ -20,7 +20,7 @@ void add_to_column(std::vector<T>& column, T entry) {
   column.push_back(std::move(entry));
 }
 
-/// Sets the size of a column that has an entry a slot, and gives memory back where it needs less than three quarters.
+/// Sets the size of a column with one entry per slot. Gives memory back if it needs less than three quarters.
 template <class T>
 void resize_column(std::vector<T>& column, std::size_t count) {
   constexpr std::size_t kKept = 1'024;

@@ -22,7 +22,7 @@ namespace {
 /// At zero, WorldTest.FarFromOriginAMovingMeshIsStillFound fails.
 constexpr double kPlacementRoundoffs = 52;
 
-/// More pairs of triangles that overlap are not kept: they may be as many as the product of both meshes.
+/// Limit of kept pairs of overlapping triangles: there may be as many as the product of both meshes.
 constexpr std::size_t kMostMet = 1 << 20;
 
 /// Visits the triangles of a mesh, in its own frame, near a box in world coordinates.
@@ -36,13 +36,13 @@ Contact flipped(Contact contact) {
   return contact;
 }
 
-/// Bounds of an endless primitive's share of the box; of any other, its whole bounds.
+/// Bounds of the part of an endless primitive inside the box; for any other, its whole bounds.
 Aabb bounds_near(const Primitive& a, const Aabb& box) {
   const auto* half_space = std::get_if<HalfSpace>(&a);
   return half_space != nullptr ? bounds_within(*half_space, box) : bounds(a);
 }
 
-/// The same of an object: a half-space is the only primitive of its object.
+/// The same for an object: a half-space is the only primitive of its object.
 Aabb bounds_near(const Placed& a, const Aabb& box) {
   const bool endless = a.info->primitives.size() == 1 && std::holds_alternative<HalfSpace>(a.info->primitives.front());
   return endless ? bounds_near(place(a.frame, a.info->primitives.front()), box) : a.bounds;
@@ -74,7 +74,7 @@ void search_meshes(const Placed& a, const Placed& b, ContactSearch& touch, WalkC
   walk_mesh_pairs(a, b, candidate, is_over, cost);
 }
 
-/// a's mesh against b's primitives: the exact phase takes the primitive first, so the contact is flipped.
+/// Tests a's mesh against b's primitives. The exact phase takes the primitive first, so the contact is flipped.
 void search_mesh_primitives(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   visit_primitives_near(*b.info, b.frame, a.bounds, cost, [&](const Primitive& primitive) {
     ContactSearch turned;
@@ -96,7 +96,7 @@ void search_mesh_primitives(const Placed& a, const Placed& b, ContactSearch& tou
   });
 }
 
-/// Bounds in world coordinates of what lies within a box of the frame, at most reach_m from the frame's origin.
+/// Bounds in world coordinates of everything inside a box of the frame that is at most reach_m from the frame's origin.
 Aabb placed_bounds(const Frame& frame, const Aabb& own, double reach_m) {
   const Vec3 center = 0.5 * own.low + 0.5 * own.high;
   const Vec3 half = (own.high - center).cwiseMax(center - own.low);
@@ -115,7 +115,7 @@ double placement_slack(const Vec3& frame_position, double distance_m, double rea
 
 namespace {
 
-/// How far off the part's placing may be within the box that the other part fills.
+/// How far off the part's placing may be inside the box of the other part.
 double placing_error_within(const ConvexPart& part, const GivenPart& given, const ConvexPart& other) {
   const HalfSpace* ground = half_space_of(part);
   if (ground == nullptr || half_space_of(other) != nullptr) return given.placing_error_m(0);
@@ -150,7 +150,7 @@ Contact contact_as_given(const ConvexPart& a, const ConvexPart& b) {
                 .normal = apart.normal.isZero(0) ? Vec3(Vec3::UnitZ()) : apart.normal,
                 .depth_error_m = apart.distance_m + apart.error_m};
   if (half_space_of(a) != nullptr || half_space_of(b) != nullptr) return found;
-  // Nearest points closer than they are known lie in no direction; a contact's comes from the parts' faces.
+  // Nearest points closer than their error give no direction; a contact's normal comes from the parts' faces.
   const kernel::Convex set_a = convex_of(a);
   const kernel::Convex set_b = convex_of(b);
   double push_m = kernel::push_along(found.normal, set_a, set_b).high();
@@ -160,18 +160,18 @@ Contact contact_as_given(const ConvexPart& a, const ConvexPart& b) {
     push_m = by_faces_m;
     found.normal = by_faces;
   }
-  // Whichever it is, moving that far along it parts them.
+  // Moving that far in any direction separates them.
   found.depth_error_m = std::max(found.depth_error_m, push_m);
   return found;
 }
 
 namespace {
 
-/// A second object's mesh as seen from a first one's frame.
+/// A second object's mesh in the first one's frame.
 struct SeenMesh {
   Mat3 rotation;
   Vec3 position;
-  double slack_m;  // twice that of placing one
+  double slack_m;  // twice the slack of placing one
 };
 
 SeenMesh seen_mesh(const Placed& a, const Placed& b) {
@@ -201,8 +201,8 @@ void walk_near_mesh_pairs(const Placed& a, const Placed& b, double limit_m, Bvh:
 
 namespace {
 
-/// Bounds of a placed box whose points may be off by off_m, a few roundings wider than the tightest ones: a mover that
-/// turns has bounds of its own in every step.
+/// Bounds of a placed box whose points may be off by off_m, a few roundings wider than the tightest: the bounds of a
+/// turning mover change in every step.
 Aabb bounds_of_turned(const Box& placed, double off_m) {
   // The products, which may underflow, and their sums; then the two sums with the centre.
   constexpr double kUnderflows = 8 * std::numeric_limits<double>::denorm_min();
@@ -254,7 +254,7 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m) {
   const double slack_m = placement_slack(frame, away.lpNorm<1>() + center.lpNorm<1>() + half.lpNorm<1>(), reach_m);
   const Vec3 local_half = back.cwiseAbs() * half + Vec3::Constant(slack_m);
   Aabb seen{.low = local - local_half, .high = local + local_half};
-  // Overflow in the placing: where the box lies is unknown, so everything is a candidate.
+  // The placing overflowed: where the box lies is unknown, so everything is a candidate.
   if (!seen.low.allFinite() || !seen.high.allFinite()) {
     seen.low.setConstant(-std::numeric_limits<double>::infinity());
     seen.high.setConstant(std::numeric_limits<double>::infinity());
@@ -263,7 +263,7 @@ Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m) {
 }
 
 void search_object(const Primitive& a, const GivenPart& given, const Placed& b, ContactSearch& touch, WalkCost& cost) {
-  // Bounds cost more than many tests, so they are computed only where an index needs them.
+  // Bounds cost more than many tests, so they are computed only if an index needs them.
   const Aabb near = b.info->rare->parts ? bounds_near(a, b.bounds) : Aabb{};
   visit_primitives_near(*b.info, b.frame, near, cost, [&](const Primitive& primitive) {
     const GivenPart given_b = b.given(primitive);
@@ -274,7 +274,7 @@ void search_object(const Primitive& a, const GivenPart& given, const Placed& b, 
 }
 
 bool search_boxes(const Box& a, const Box& b, double off_m, ContactSearch& touch) {
-  // Where placing rounds nothing, the general test is exact for the boxes as given.
+  // If placing rounds nothing, the general test is exact for the boxes as given.
   if (!(off_m > 0)) return false;
   const Decision quick =
       touch.wanted ? quick_contact(a, b, off_m, touch.contact) : kernel::quickly_overlaps(a, b, off_m);
@@ -286,7 +286,7 @@ bool search_boxes(const Box& a, const Box& b, double off_m, ContactSearch& touch
 
 namespace {
 
-/// The object's shape, where it is one of this kind and nothing else.
+/// The object's shape, if it is a single one of this kind.
 template <class Shape>
 const Shape* only(const ObjectInfo& info) {
   return info.mesh || info.primitives.size() != 1 ? nullptr : std::get_if<Shape>(&info.primitives.front());
@@ -297,7 +297,7 @@ double only_placing_error_m(const Placed& object) {
   return object.pose == nullptr ? 0 : placing_error_m(object.frame, object.info->primitives.front());
 }
 
-/// The same where they are not placed yet.
+/// Searches two boxes that are not placed yet.
 bool search_boxes(const Placed& a, const Placed& b, ContactSearch& touch) {
   const Box* own_a = only<Box>(*a.info);
   const Box* own_b = only<Box>(*b.info);
@@ -306,8 +306,8 @@ bool search_boxes(const Placed& a, const Placed& b, ContactSearch& touch) {
   return off_m > 0 && search_boxes(place(a.frame, *own_a), place(b.frame, *own_b), off_m, touch);
 }
 
-/// What search_parts() does for two objects of one sphere each, without variants, where placing them rounds nothing.
-/// False: it does, and nothing was done.
+/// Does what search_parts() does for two objects of one sphere each, without variants, if placing them rounds nothing.
+/// False: it rounds, and nothing was changed.
 bool search_balls(const Placed& a, const Placed& b, ContactSearch& touch) {
   const Sphere* own_a = only<Sphere>(*a.info);
   const Sphere* own_b = only<Sphere>(*b.info);
@@ -348,7 +348,7 @@ SeenPlaced::SeenPlaced(const Vec3& origin, const Placed& object) : placed_(objec
 
 void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost) {
   const Vec3 origin = common_origin(b.frame.position, {a.frame.position});
-  // Pairs of triangles that overlap are wanted as placed in the world.
+  // Pairs of overlapping triangles are wanted as placed in the world.
   if (origin.isZero(0) || touch.met != nullptr) return search_in_place(a, b, touch, cost);
   search_in_place(SeenPlaced(origin, a).placed(), SeenPlaced(origin, b).placed(), touch, cost);
   touch.move_back_from(origin);

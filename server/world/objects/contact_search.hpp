@@ -28,9 +28,9 @@ struct Placed {
   const ObjectInfo* info = nullptr;
   Frame frame;
   Aabb bounds;
-  const Pose* pose = nullptr;  // what the frame was made of; null where it was not given, as between two poses
+  const Pose* pose = nullptr;  // pose that the frame was made from; null if none was given, as between two poses
 
-  /// A part of it as it was given.
+  /// One of its parts as it was given.
   GivenPart given(const Primitive& own) const {
     return pose == nullptr ? GivenPart{} : GivenPart{.own = &own, .pose = pose, .frame = &frame};
   }
@@ -57,11 +57,11 @@ class SeenPlaced {
 /// A triangle of one mesh and one of another, by number.
 using TrianglePairs = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
-/// What testing two objects part by part has found so far. A part is a primitive or a triangle. The contact is that of
-/// the deepest pair of parts (ties: lowest triangles), so it does not depend on the order of the tests.
+/// Result of testing two objects part by part so far. A part is a primitive or a triangle. The contact is that of the
+/// deepest pair of parts (ties: lowest triangles), so it does not depend on the order of the tests.
 struct ContactSearch {
-  bool wanted = true;  // contacts are computed from all pairs of parts; else the first touching pair ends the search
-  // Some pair of parts touches; some pair was not decided.
+  bool wanted = true;  // compute contacts from all pairs of parts; else the first touching pair ends the search
+  // yes: a pair of parts touches. undecided: a pair was not decided.
   bool yes = false;
   bool undecided = false;
   Level level = Level::filter;  // the hardest arithmetic that any pair needed
@@ -69,19 +69,19 @@ struct ContactSearch {
   std::uint32_t a_triangle = kNoTriangle;
   std::uint32_t b_triangle = kNoTriangle;
   Contact contact;
-  Deadline* deadline = nullptr;  // null: none
-  TrianglePairs* met = nullptr;  // receives pairs that overlap as placed; null: none, or they were too many
+  Deadline* deadline = nullptr;  // null: no deadline
+  TrianglePairs* met = nullptr;  // receives pairs that overlap as placed; null: not wanted, or there were too many
 
-  /// No further pair can change the answer, or the time is over.
+  /// True if no further pair can change the answer, or the time is over.
   bool done() const { return (yes && !wanted) || (deadline != nullptr && deadline->is_over()); }
-  /// The contact, found in coordinates that count from the origin, gets those of the world.
+  /// Moves the contact, found in coordinates relative to the origin, back to world coordinates.
   void move_back_from(const Vec3& origin) {
     if (yes && wanted) contact.point = back_from(origin, contact.point);
   }
 };
 
-/// Tests two parts in world coordinates; a triangle gives its number, a primitive kNoTriangle. Where their placing rounds
-/// more than the answer leaves room for, the answer is that for the parts as given.
+/// Tests two parts in world coordinates; a triangle gives its number, a primitive kNoTriangle. If placing them rounds
+/// more than the answer has margin, decides for the parts as given.
 template <class A, class B>
 void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, ContactSearch& touch,
                   const GivenPair& given);
@@ -89,13 +89,13 @@ void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_
 /// Tests a primitive in world coordinates against an object; `given` is the primitive as it was given.
 void search_object(const Primitive& a, const GivenPart& given, const Placed& b, ContactSearch& touch, WalkCost& cost);
 
-/// Tests two objects; the contact's normal points from a to b. Far from the world's origin both are seen from b's place, so
-/// that placing them rounds no more than near it.
+/// Tests two objects; the contact's normal points from a to b. Far from the world's origin both are seen from b's
+/// place, so that placing them rounds no more than near the origin.
 ///
 /// touch  has found nothing yet
 void search_objects(const Placed& a, const Placed& b, ContactSearch& touch, WalkCost& cost);
 
-/// Of a walk that goes to its end.
+/// Never ends a walk.
 inline constexpr auto kNeverOver = [] { return false; };
 
 /// Offers pairs of the two objects' triangles that may be within gap_m of each other, as Bvh::walk_pairs does; both
@@ -103,18 +103,18 @@ inline constexpr auto kNeverOver = [] { return false; };
 void walk_mesh_pairs(const Placed& a, const Placed& b, Bvh::PairCandidate candidate, Bvh::Interrupt is_over,
                      WalkCost& cost, double gap_m = 0);
 
-/// Offers pairs of the two objects' triangles that may be within limit_m of each other, as Bvh::walk_near_pairs does; both
-/// must have a mesh.
+/// Offers pairs of the two objects' triangles that may be within limit_m of each other, as Bvh::walk_near_pairs does;
+/// both must have a mesh.
 void walk_near_mesh_pairs(const Placed& a, const Placed& b, double limit_m, Bvh::NearPairCandidate candidate,
                           Bvh::Interrupt is_over, WalkCost& cost);
 
-/// A box that contains every point of the shape where the numbers given put it, and where place() puts it.
+/// A box that contains every point of the shape, both at its exact place and where place() puts it.
 Aabb bounds_as_given(const Frame& frame, const Primitive& own);
 
 /// A box that contains every point of the object at the frame.
 Aabb bounds_of(const ObjectInfo& info, const Frame& frame);
 
-/// A box, in the frame's coordinates, around everything that `world` may hold; generous by the rounding of placing.
+/// A box in the frame's coordinates that contains everything `world` may hold, including the rounding of placing.
 ///
 /// reach_m  how far from the frame's origin the local points are
 Aabb seen_from(const Frame& frame, const Aabb& world, double reach_m);
@@ -133,14 +133,14 @@ void visit_primitives_near(const ObjectInfo& info, const Frame& frame, const Aab
   info.rare->parts->tree.walk_box(seen_from(frame, world, info.rare->parts->radius_m), candidate, cost);
 }
 
-/// Rounding of placing a point and seeing it back from a frame, metres: what local bounds must grow by so that no
+/// Rounding of placing a point and transforming it back to a frame, metres: local bounds must grow by it so that no
 /// placed point is lost (derivation at kPlacementRoundoffs).
 double placement_slack(const Vec3& frame_position, double distance_m, double reach_m);
 inline double placement_slack(const Frame& frame, double distance_m, double reach_m) {
   return placement_slack(frame.position, distance_m, reach_m);
 }
 
-/// A mesh's triangles at a frame. Keeps the last one, since walks over pairs return to it again and again.
+/// A mesh's triangles at a frame. Caches the last one, since walks over pairs return to it repeatedly.
 class PlacedTriangles {
  public:
   PlacedTriangles(const TriangleMesh& mesh, const Frame& frame) : mesh_(mesh), frame_(frame) {}
@@ -160,30 +160,31 @@ class PlacedTriangles {
   Triangle placed_;
 };
 
-/// Whether this contact replaces the one in `best`: it is deeper, or as deep with lower triangles.
+/// True if this contact replaces `best`: it is deeper, or as deep with lower triangles.
 inline bool deeper(const Contact& contact, std::uint32_t a_triangle, std::uint32_t b_triangle,
                    const ContactSearch& best) {
   if (!best.yes || contact.depth_m != best.contact.depth_m) return !best.yes || contact.depth_m > best.contact.depth_m;
   return a_triangle != best.a_triangle ? a_triangle < best.a_triangle : b_triangle < best.b_triangle;
 }
 
-/// How far two placed parts may be from those given, metres, in all.
+/// Bound on how far two placed parts together may be from the given ones, metres.
 double placing_error_m(const ConvexPart& a, const ConvexPart& b, const GivenPair& given);
 
-/// Whether two parts touch, for the numbers given and as placed, where one filter in double decides both: two boxes.
+/// True or false for the parts as given and as placed if one filter in double decides both; only for two boxes.
 Decision quickly_decided(const Primitive& a, const Primitive& b, double off_m);
 
-/// Whether two parts touch, for the numbers given. verdict: what was decided for them as placed, off by off_m at most.
+/// Decides exactly whether the parts as given touch. verdict: the decision for the placed parts, which are off by at
+/// most off_m.
 ExactResult decided_as_given(const ConvexPart& a, const ConvexPart& b, const GivenPair& given, double off_m,
                              ExactResult verdict);
 
-/// The contact of two parts of which only those given are known to touch: as placed they may be a few roundings apart.
+/// The contact of two parts that touch as given; as placed they may be a few roundings apart.
 Contact contact_as_given(const ConvexPart& a, const ConvexPart& b);
 
 template <class A, class B>
 void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_t b_triangle, ContactSearch& touch,
                   const GivenPair& given) {
-  // Where another contact is known, one that hangs on a rounding adds nothing: it would be of no depth.
+  // If another contact is known, one that depends on a rounding adds nothing: its depth would be 0.
   const double off_m = touch.yes || given.is_exact() ? 0 : placing_error_m(a, b, given);
   Decision quick = Decision::undecided;
   if constexpr (std::same_as<A, Primitive> && std::same_as<B, Primitive>) {
@@ -196,7 +197,7 @@ void search_parts(const A& a, std::uint32_t a_triangle, const B& b, std::uint32_
   double depth_at_most_m = std::numeric_limits<double>::infinity();
   ExactResult verdict{quick, Level::filter};
   if (quick == Decision::yes) {
-    // Nothing closer to the boundary than the placing may be off.
+    // Shapes closer to the boundary than the placing error are not decided here.
   } else if constexpr (requires { overlaps(a, b, depth_at_most_m); }) {
     verdict = touch.wanted && touch.yes ? overlaps(a, b, depth_at_most_m) : overlaps(a, b);
   } else {

@@ -10,14 +10,14 @@
 namespace collided::engine {
 namespace {
 
-/// Beyond that many times too far halving the span does not lead to a proof: at both ends the two touch by no more than
-/// the arithmetic resolves, as what stands exactly on the floor. They count as touching unless some times between show
-/// otherwise.
+/// If a span is this many times too long, halving it does not lead to a proof: at both ends the two touch by no more
+/// than the arithmetic resolves, such as an object exactly on the floor. They count as touching unless some time
+/// between shows otherwise.
 constexpr double kHopeless = 0x1p14;
-/// Halvings of a hopeless span, in search of a time at which the two are apart.
+/// Halvings of such a span, in search of a time at which the two are apart.
 constexpr int kHopelessHalvings = 3;
 
-/// Calls test(part) for the triangle, or for each primitive of the body; true ends it.
+/// Calls test(part) for the triangle, or for each primitive of the body, until it returns true.
 template <class Test>
 bool any_part(const SweptBody& body, std::uint32_t first_triangle, std::uint32_t triangle, Test&& test) {
   if (triangle != kNoTriangle) return test(as_part(body.mesh->triangle(first_triangle + triangle)));
@@ -27,7 +27,7 @@ bool any_part(const SweptBody& body, std::uint32_t first_triangle, std::uint32_t
 
 TimeBracket from_reversed(const TimeBracket& bracket) { return {1 - bracket.high, 1 - bracket.low}; }
 
-/// A time at which the two touch, and by which parts.
+/// A time at which the two touch, with the touching parts.
 struct TouchAtTime {
   double t = 0;
   std::uint32_t a_triangle = kNoTriangle;
@@ -85,8 +85,7 @@ double IntervalSearch::shortfall_by(const TouchAtTime& parts, const TimeSpan& sp
   return least;
 }
 
-/// Of the parts that touch at either end: how far they are from being known to touch throughout, as in
-/// lasting_contact.hpp.
+/// How far the parts that touch at either end are from being known to touch throughout, as in lasting_contact.hpp.
 double IntervalSearch::shortfall(const TouchAtTime& low, const TouchAtTime& high) const {
   const auto is_one = [](const SweptBody& body, std::uint32_t triangle) {
     return triangle != kNoTriangle || body.primitives.size() == 1;
@@ -106,7 +105,7 @@ double IntervalSearch::shortfall(const TouchAtTime& low, const TouchAtTime& high
   return std::min(of_high, shortfall_by(low, span, {}));
 }
 
-/// The two touch at both times: finds where they part and meet again in between.
+/// The two touch at both times: finds where they separate and meet again in between.
 void IntervalSearch::settle(const TouchAtTime& low, const TouchAtTime& high, int halvings) {
   if (times_.are_too_many || high.t - low.t <= limits_.width) return;
   const double missing = shortfall(low, high);
@@ -126,7 +125,7 @@ void IntervalSearch::settle(const TouchAtTime& low, const TouchAtTime& high, int
   settle(between, high, halvings + 1);
 }
 
-/// The two are apart in the middle, or so near that the searches from there do not get away.
+/// The two are apart in the middle, or so near that the searches starting there do not advance.
 void IntervalSearch::part_at(const TouchAtTime& low, double middle, const TouchAtTime& high, int halvings) {
   const SweptContact last = bodies_.first({1 - middle, 1 - low.t}, true);
   const SweptContact next = bodies_.first({middle, high.t}, false);
@@ -165,7 +164,7 @@ void IntervalSearch::run(const TouchAtEnd& begin, const TouchAtEnd& end, const S
     times_.is_open = times_.is_open || met.undecided;
     if (!met.yes && !end.yes) return;
     all.begin = met;
-    // What is placed at the end of the motion may touch by its rounding alone.
+    // At the end of the motion, placed bodies may touch by rounding alone.
     if (!met.yes) all.begin->bracket = {0, 1};
     low = TouchAtTime(all.begin->bracket.high, met);
   }

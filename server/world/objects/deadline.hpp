@@ -8,8 +8,8 @@
 
 namespace collided::engine {
 
-/// When a search has to end: at an instant, or once nobody waits for its result any more. The search asks at each of its tests, so that no walk runs on after its time; without a
-/// deadline that costs one comparison.
+/// When a search must end: at an instant, or once its result is no longer wanted. The search checks it at each test, so
+/// that no walk runs past it; without a deadline a check costs one comparison.
 ///
 /// cost     reads the clock at every kTestsAReading-th call
 /// threads  one
@@ -17,13 +17,13 @@ class Deadline {
  public:
   Deadline() = default;
   /// at_ns  steady clock; 0: none
-  /// called_off  another thread may set it; null: nobody does
+  /// called_off  another thread may set it; null: none
   explicit Deadline(std::int64_t at_ns, const std::atomic<bool>* called_off = nullptr)
       : at_ns_(at_ns), called_off_(called_off) {}
 
-  /// Whether the search has to end now; once true, always.
+  /// True if the search must end now; then it stays true.
   bool is_over() { return (at_ns_ != 0 || called_off_ != nullptr) && look(); }
-  /// Whether is_over() was ever true: the search was cut short, and what it has not found is unknown.
+  /// True if is_over() was ever true: the search was cut short, so what it has not found is unknown.
   bool was_over() const { return was_over_; }
 
  private:
@@ -42,18 +42,18 @@ class Deadline {
   bool was_over_ = false;
 };
 
-/// How long a search may take: until its deadline, with what is open then undecided, or until it is given up, to be made
-/// anew with more time.
+/// How long a search may take: until its deadline, where open questions become undecided, or until it is given up and
+/// repeated with more time.
 struct SearchTime {
   std::int64_t deadline_ns = 0;                   // steady clock; 0: none
-  std::int64_t give_up_ns = 0;                    // likewise
-  const std::atomic<bool>* called_off = nullptr;  // once set by another thread, as if the deadline were over
+  std::int64_t give_up_ns = 0;                    // steady clock; 0: none
+  const std::atomic<bool>* called_off = nullptr;  // when another thread sets it, the deadline counts as over
 
   Deadline end() const {
     const bool has_both = give_up_ns != 0 && deadline_ns != 0;
     return Deadline(has_both ? std::min(give_up_ns, deadline_ns) : std::max(give_up_ns, deadline_ns), called_off);
   }
-  /// Whether a search that has just ended unfinished was given up, and its deadline is not over.
+  /// True if a search that has just ended unfinished was given up before its deadline.
   bool is_given_up() const {
     return give_up_ns != 0 && (deadline_ns == 0 || wire_contract::steady_ns() <= deadline_ns);
   }

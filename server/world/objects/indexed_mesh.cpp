@@ -11,7 +11,7 @@ namespace {
 double radius_of(const TriangleMesh& mesh) {
   double radius_m = 0;
   for (const Vec3& vertex : mesh.vertices) radius_m = std::max(radius_m, vertex.stableNorm());
-  return radius_m * (1 + kChainSlack);  // outward over the roundings of the norm
+  return radius_m * (1 + kChainSlack);  // covers the rounding of the norm
 }
 
 }  // namespace

@@ -8,10 +8,10 @@
 
 namespace collided::engine {
 
-/// Bundles a mesh with the index built of it, and measures its radius.
+/// Bundles a mesh with its index, and computes its radius.
 std::shared_ptr<const IndexedMesh> indexed_mesh(std::shared_ptr<const TriangleMesh> mesh, Bvh tree);
 
-/// A shape that is in no world, as an object without name or pose.
+/// A shape outside of any world, as an object without name or pose.
 ///
 /// cancelled  called now and then; true leaves the index of the mesh empty
 /// cost       indexes a mesh on the calling thread

@@ -5,7 +5,7 @@
 
 namespace collided::engine {
 
-/// A value of its owner that is mostly the default: such an owner has a null pointer and nothing more. Copies are deep.
+/// A value that is usually the default, which then takes only a null pointer. Copies are deep.
 /// threads  as the value itself: any may read
 template <class Value>
 class IndirectValue {
@@ -21,7 +21,7 @@ class IndirectValue {
 
   const Value& operator*() const { return own_ ? *own_ : kDefault; }
   const Value* operator->() const { return own_ ? own_.get() : &kDefault; }
-  /// To change it, which takes its memory.
+  /// Returns the value for changing it; allocates it if needed.
   Value& edit() {
     if (!own_) own_ = std::make_unique<Value>();
     return *own_;

@@ -10,8 +10,8 @@ double placing_error_m(const Placed& object, std::uint32_t triangle, const Aabb&
   if (frame.position.isZero(0) && frame.rotation == Mat3::Identity() && object.info->primitives.empty()) return 0;
   if (triangle != kNoTriangle && object.info->mesh)
     return placing_error_m(frame, object.info->mesh->mesh->triangle(triangle));
-  // Indexed primitives are spheres, capsules and boxes; a box errs in its position, its rotation and its pose in its
-  // own frame, so three errors.
+  // Indexed primitives are spheres, capsules and boxes; a box has three errors: of its position, its rotation, and its
+  // pose in its own frame.
   if (object.info->rare->parts && !object.info->mesh)
     return 3 * placing_error_m(frame, object.info->rare->parts->radius_m);
   double most_m = object.info->mesh ? placing_error_m(frame, object.info->mesh->radius_m) : 0;

@@ -183,11 +183,11 @@ void ObjectRows::copy_changes(Snapshot& to) {
   resize_column(to.poses, count);
   resize_column(to.posed_ns, count);
   resize_column(to.stale, count);
-  // Most rows in a row cost less than as many here and there.
+  // Copying a run with most of its rows costs less than half as many scattered rows.
   const auto changed = changes_.since(to.changes_seen, count / 2);
   const std::uint32_t* const slots = changed ? changed->data() : nullptr;
   const std::size_t copies = changed ? changed->size() : count;
-  // Locals, since what the loop writes could else be these.
+  // Locals, since writes in the loop might alias the members.
   Pose* const poses = to.poses.data();
   std::int64_t* const posed_ns = to.posed_ns.data();
   std::uint8_t* const stale = to.stale.data();
@@ -219,9 +219,9 @@ void ObjectRows::end_step() {
 
 void ObjectRows::give_rows_back() {
   resize_column(rows_, used_rows_);
-  // New objects take low slots first, so that rows do not grow to their old number for a few.
+  // New objects take low slots first, so that a few of them do not let rows grow to their former number.
   std::sort(free_slots_.begin(), free_slots_.end(), std::greater<>());
-  // Slots without a row are among them: every state is copied as a whole once.
+  // Slots without a row are among them; every copy takes the whole state once.
   changes_.forget();
 }
 

@@ -18,71 +18,71 @@
 
 namespace collided::engine {
 
-/// How an object came to its pose since the last step.
+/// How an object reached its pose since the last step.
 enum class Motion : std::uint8_t { none, moved, placed };  // placed: new or teleported, so nothing lies between
 
-/// In posed_ns: the pose came with the definition and takes its time from the step that first shows it.
+/// As posed_ns: the pose came with the definition and gets the time of the step that first shows it.
 inline constexpr std::int64_t kPosedAtStep = -1;
 
-/// The changing part of an object, which every step reads; kept apart from its description, which is rarely read.
+/// The changing part of an object, which every step reads; its description, which is rarely read, is kept apart.
 struct ObjectRow {
   std::int64_t posed_ns = 0;         // world time of the pose; 0: never moved
-  std::int64_t posed_before_ns = 0;  // world time of the pose before
-  // Frames are worked out from the poses where they are needed, in some 10 ns: they take half as much memory again.
+  std::int64_t posed_before_ns = 0;  // world time of the previous pose
+  // Frames are computed from the poses on demand, in about 10 ns: they would take half as much memory again.
   Pose pose;
   Pose pose_before;
-  // Of the sphere that is the whole object, metres; negative: it is something else, or a sphere with a pivot, whose centre
-  // does not move straight.
+  // Radius of the sphere that is the whole object, metres. Negative: another shape, or a sphere with a pivot, whose
+  // centre does not move straight.
   double lone_radius_m = -1;
-  // No point of the object is farther from the frame's origin, metres; with a pivot more by twice its distance, so that it
-  // bounds what a rotation moves.
+  // Largest distance of a point from the frame's origin, metres; with a pivot, plus twice the pivot's distance, so that
+  // it bounds how far a rotation moves a point.
   double reach_m = 0;
   std::uint32_t movable = 0;       // generation of the object that has this row; 0: it cannot be moved
   bool is_centred_sphere = false;  // a lone sphere whose centre is the frame's origin
   bool has_motion = false;         // the object moved from pose_before to pose
   bool is_stale = false;
-  bool has_pivot = false;           // it moves as a part of the object to which it is attached
-  std::int64_t born_ns = 0;         // world time from which its definition's pose holds
-  std::int64_t said_before_ns = 0;  // world time given with its pose before, however long it rested since
-  std::int64_t joined_ns = 0;       // world time up to which it was decided when its time became another source's
+  bool has_pivot = false;           // it moves as a part of its parent
+  std::int64_t born_ns = 0;         // world time from which the pose of its definition holds
+  std::int64_t said_before_ns = 0;  // world time given with its previous pose, however long it rested since
+  std::int64_t joined_ns = 0;       // world time up to which it was decided when it got another source's time
 
   Frame frame() const { return frame_of(pose); }
   Frame frame_before() const { return frame_of(pose_before); }
   bool has_rotation_before() const { return pose.rotation.coeffs() == pose_before.rotation.coeffs(); }
-  /// The same as frame_before(), from what frame() gave: most motions do not rotate.
+  /// The same as frame_before(), starting from the result of frame(): most motions do not rotate.
   Frame frame_before(const Frame& now) const {
     return has_rotation_before() ? Frame{.rotation = now.rotation, .position = pose_before.position} : frame_before();
   }
   bool is_lone_sphere() const { return lone_radius_m >= 0; }
 };
 
-/// Where a pose puts a lone sphere's centre: what place() gives.
+/// Where a pose puts a lone sphere's centre; same result as place().
 inline Vec3 placed_center(const Pose& pose, const Vec3& center) {
   // The sum has no negative zero, like place()'s.
   return center.isZero(0) ? Vec3(pose.position + Vec3::Zero()) : place(frame_of(pose), center);
 }
 
-/// When a pose holds, and from when the motion to it began.
+/// When a pose holds, and when the motion to it began.
 struct PoseTime {
   std::int64_t time_ns = 0;
-  std::int64_t since_ns = 0;  // the object rested up to there
+  std::int64_t since_ns = 0;  // the object rested until then
 };
 
-/// Slots in the order of their changes, so that a copy that has some of them takes only the later ones. Remembers about
-/// as many as there are slots.
+/// Slots in the order of their changes, so that a copy takes only the changes that it lacks. Remembers about as many
+/// changes as there are slots.
 class SlotChanges {
  public:
   void note(std::uint32_t slot, std::size_t slot_count) {
     if (slots_.size() > slot_count) forget();
     slots_.push_back(slot);
   }
-  /// Every copy takes all slots next.
+  /// Makes every copy take all slots next.
   void forget() {
     forgotten_ += slots_.size();
     slots_ = {};
   }
   std::uint64_t count() const { return forgotten_ + slots_.size(); }
-  /// The changes after the first `seen`; nothing where some are forgotten, or are more than `most`.
+  /// The changes after the first `seen`; nothing if some are forgotten or there are more than `most`.
   std::optional<std::span<const std::uint32_t>> since(std::uint64_t seen, std::size_t most) const {
     if (seen < forgotten_ || count() - seen > most) return std::nullopt;
     return std::span(slots_).subspan(static_cast<std::size_t>(seen - forgotten_));
@@ -94,9 +94,8 @@ class SlotChanges {
 };
 
 /// The table of objects: the one place where rows are added, removed, moved and copied. A row's number is the object's
-/// slot.
-/// threads  the writer's only
-/// Always: info(slot) is null exactly where there is no object; motion(slot) is none for every slot not in moved().
+/// slot. threads the writer only Always: info(slot) is null exactly if there is no object; motion(slot) is none for
+/// every slot not in moved().
 class ObjectRows {
  public:
   // Adding and removing.
@@ -110,47 +109,48 @@ class ObjectRows {
   /// free_slot().
   void remove(ObjectId id, bool keeps_slot = false);
   void free_slot(std::uint32_t slot) { freed_.push_back(slot); }
-  /// Scenes came or went.
+  /// Scenes were added or removed.
   void note_scenes() { table_.note_scenes(); }
 
-  /// Gives the source's objects that came since the last step, with no known beginning, this instant as theirs.
+  /// Sets this instant as the beginning of the source's objects that were added since the last step without a known
+  /// beginning.
   void begin(std::uint32_t source, std::int64_t time_ns);
 
   // Moving.
-  /// False: no such object, or it does not move.
+  /// False: no such object, or it cannot move.
   bool move(ObjectId id, const Pose& pose, const PoseTime& at, Motion how);
-  /// Prefetches what move() writes of an object. Only a hint: any slot is allowed.
+  /// Prefetches what move() writes. Only a hint: any slot is allowed.
   void prefetch(std::uint32_t slot) const;
   /// Makes the next step test every moving object as if newly placed: it may touch what was just added.
   void place_all_movers_again();
-  /// Makes the next step test this object again although it did not move: a pair in doubt may be decided now.
+  /// Makes the next step test this object although it did not move: a pair in doubt may be decided now.
   void look_again(std::uint32_t slot);
   void set_stale(std::uint32_t slot, bool is_stale);
-  /// From now on the object rotates about that point of its frame; zero: about its origin.
+  /// From now on the object rotates about this point of its frame; zero: about its origin.
   void set_pivot(std::uint32_t slot, const Vec3& pivot);
-  /// Its poses have another source's time from now on, in which it rested until known_ns. decided_ns: up to when its pairs
-  /// were decided.
+  /// From now on its poses have another source's time, in which it rested until known_ns. decided_ns: time up to which
+  /// its pairs were decided.
   void follow_source(std::uint32_t slot, std::uint32_t source, std::int64_t known_ns, std::int64_t decided_ns);
 
-  // A step: changes are stamped, then copied, then no longer changes.
+  // A step: changes are stamped, then copied, then forgotten.
   /// Stamps the changed rows with the step, and gives a time to objects whose definition's pose has none yet.
   void stamp_changes(std::int64_t world_time_ns, const Sources& sources);
   /// Copies only what changed since `to` was last filled: moving 100 of 100,000 objects costs 100 copies.
   void copy_changes(Snapshot& to);
-  /// Forgets the changes; slots freed in this step may be used again. Gives back the rows after the last object once they
-  /// are a part of all, so that each object that left costs a few copies.
+  /// Forgets the changes; slots freed in this step may be used again. Gives back the rows after the last object once
+  /// they are a large enough share that the cost per removed object is a few copies.
   void end_step();
 
   std::size_t size() const { return table_.size(); }
-  /// How many slots, from 0, have a row: those of all objects, and most free ones between them.
+  /// Number of slots, from 0, that have a row: those of all objects and most free ones between them.
   std::size_t row_count() const { return rows_.size(); }
   const ObjectRow& operator[](std::uint32_t slot) const { return rows_[slot]; }
-  /// Of the object at its pose; empty for free slots and static parts. Worked out anew: within a step,
-  /// StepMotion::pose_bounds() knows most of them.
+  /// Bounds of the object at its pose; empty for free slots and static parts. Computed on each call: within a step,
+  /// StepMotion::pose_bounds() has most of them.
   Aabb bounds(std::uint32_t slot) const;
   const ObjectTable& table() const { return table_; }
   const ObjectInfo* info(std::uint32_t slot) const { return table_[slot].get(); }
-  /// The whole object, where it is one sphere and nothing else.
+  /// The whole object if it is a single sphere.
   std::optional<Sphere> lone_sphere(std::uint32_t slot) const {
     const ObjectRow& row = rows_[slot];
     if (row.is_centred_sphere) return Sphere{Vec3::Zero(), row.lone_radius_m};
@@ -159,21 +159,21 @@ class ObjectRows {
   const ObjectInfo* find(ObjectId id) const { return table_.find(id); }
   std::optional<ObjectId> find(std::string_view name) const;
   std::size_t name_count() const { return names_.size(); }
-  /// Index of the object's source; Sources::kResting: the object does not move.
+  /// Index of the object's source; Sources::kResting if the object does not move.
   std::uint32_t source(std::uint32_t slot) const { return source_[slot]; }
   Motion motion(std::uint32_t slot) const { return motion_[slot]; }
-  /// The object was defined since the last step.
+  /// True if the object was defined since the last step.
   bool is_new(std::uint32_t slot) const { return (news_[slot] & kDefined) != 0; }
-  /// The object got a pose since the last step, besides its definition's.
+  /// True if the object got a pose since the last step, besides its definition's.
   bool is_posed(std::uint32_t slot) const { return (news_[slot] & kPosed) != 0; }
   bool has_moved(std::uint32_t slot) const { return motion_[slot] != Motion::none; }
   /// Slots with a change since the last step.
   const std::vector<std::uint32_t>& moved() const { return moved_; }
-  /// The point of its frame that moves straight, as of BodyMotion.
+  /// The point of its frame that moves straight; see BodyMotion.
   Vec3 pivot(std::uint32_t slot) const { return rows_[slot].has_pivot ? pivots_.at(slot) : Vec3::Zero(); }
-  /// Of the object in the slot, without reading its description.
+  /// Id of the object in the slot, without reading its description.
   ObjectId id(std::uint32_t slot) const { return (static_cast<ObjectId>(generations_[slot]) << 32) | slot; }
-  /// The order of ids: generation, then slot.
+  /// Orders as ids do: by generation, then slot.
   bool has_lower_id(std::uint32_t slot, std::uint32_t than) const {
     return generations_[slot] != generations_[than] ? generations_[slot] < generations_[than] : slot < than;
   }
@@ -187,8 +187,8 @@ class ObjectRows {
   void take_extent(std::uint32_t slot, const ObjectInfo& info, const Vec3& pivot);
 
   std::vector<ObjectRow> rows_;
-  std::unordered_map<std::uint32_t, Vec3> pivots_;  // of the rows that have one
-  // Outside of the rows, since a step reads them for all objects.
+  std::unordered_map<std::uint32_t, Vec3> pivots_;  // by slot, for rows with has_pivot
+  // Outside the rows, since a step reads them for all objects.
   std::vector<Motion> motion_;
   enum News : std::uint8_t { kDefined = 1, kPosed = 2 };
   std::vector<std::uint8_t> news_;  // since the last step
@@ -198,11 +198,11 @@ class ObjectRows {
   ObjectTable table_;
   TagIndex names_{7};  // slots by their objects' names, which the table has
   std::vector<std::uint32_t> free_slots_;
-  std::vector<std::uint32_t> freed_;  // in this step
-  std::size_t used_rows_ = 0;         // those after that have no object
-  std::vector<std::uint32_t> moved_;  // in this step
+  std::vector<std::uint32_t> freed_;  // slots freed in this step
+  std::size_t used_rows_ = 0;         // rows after these have no object
+  std::vector<std::uint32_t> moved_;  // slots changed in this step
   SlotChanges changes_;
-  SlotChanges definitions_;  // of the table
+  SlotChanges definitions_;  // changes of the table
 };
 
 }  // namespace collided::engine

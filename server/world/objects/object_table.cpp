@@ -9,7 +9,7 @@
 namespace collided::engine {
 namespace {
 
-/// One thread answers about several worlds and instants, and keeps what it derived from each by its version.
+/// One thread answers about several worlds and instants, and caches what it derived from each by version.
 std::uint64_t next_version() {
   static std::atomic<std::uint64_t> last{0};
   return last.fetch_add(1, std::memory_order_relaxed) + 1;

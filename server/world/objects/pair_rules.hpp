@@ -8,22 +8,22 @@
 
 namespace collided::engine {
 
-/// Says of pairs of objects whether they may touch: one whose name matches the first glob, with one that matches the
-/// other.
+/// Whether pairs of objects may touch: pairs with one name that matches the first glob and one that matches the second.
 struct PairRule {
   std::string a;
   std::string b;
-  std::string because;  // for people
-  bool allows = true;   // false: an earlier rule that allows such a pair does not count for it
+  std::string because;  // reason, for people
+  bool allows = true;   // false: earlier rules that allow such a pair no longer apply to it
 };
 
-/// Which rules a name fits, as the first of a pair and as the second; a bit each.
+/// Which rules a name matches, as the first of a pair and as the second; one bit per rule.
 struct RuleFit {
   std::uint64_t as_a = 0;
   std::uint64_t as_b = 0;
 };
 
-/// Rules for pairs that are allowed to touch, beside masks and groups: the last one that fits a pair decides. Immutable.
+/// Rules for pairs that are allowed to touch, in addition to masks and groups: the last one that matches a pair
+/// decides. Immutable.
 class PairRules {
  public:
   static constexpr std::size_t kMost = 64;

@@ -9,10 +9,10 @@
 namespace collided::engine {
 namespace {
 
-// Up to here testing each is cheaper than an index.
+// Up to this many, testing each is cheaper than an index.
 constexpr std::size_t kFewParts = 16;
 
-/// Placing the shape errs by no more than the slack of the walks.
+/// True if placing the shape errs by no more than the slack of the walks.
 bool is_steady(const Primitive& part) {
   return std::holds_alternative<Sphere>(part) || std::holds_alternative<Capsule>(part) ||
          std::holds_alternative<Box>(part);
@@ -22,7 +22,7 @@ bool is_steady(const Primitive& part) {
 
 std::shared_ptr<const IndexedParts> index_parts(std::span<const Primitive> parts) {
   if (parts.size() <= kFewParts || !std::all_of(parts.begin(), parts.end(), is_steady)) return nullptr;
-  // The tree knows triangles only by their bounds as long as it splits none, so the diagonal of each box stands for its
+  // The tree needs only bounds of triangles as long as it splits none, so the diagonal of each box represents its
   // primitive.
   TriangleMesh diagonals;
   diagonals.vertices.reserve(2 * parts.size());

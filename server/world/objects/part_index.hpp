@@ -12,11 +12,11 @@ namespace collided::engine {
 /// Always: only walk_box may be called on the tree; the other walks read triangles, and here there are none.
 struct IndexedParts {
   Bvh tree;
-  double radius_m = 0;  // no point of any primitive is farther from the frame's origin
+  double radius_m = 0;  // largest distance of a point of any primitive from the frame's origin
 };
 
-/// Indexes the primitives. Null where they are so few that testing each is cheaper, and where one is of a kind whose
-/// placing errs by more than rounding (a short cylinder far out), which the slack of the walks does not cover.
+/// Indexes the primitives. Null if testing each is cheaper, or if placing one errs by more than rounding (a short
+/// cylinder far out), which the slack of the walks does not cover.
 /// cost  10 ms for 100,000
 std::shared_ptr<const IndexedParts> index_parts(std::span<const Primitive> parts);
 

@@ -43,7 +43,7 @@ void visit_parts(const Snapshot& snapshot, Visit&& visit) {
   }
 }
 
-/// The same for one object's triangle, or for all of its primitives where triangle is kNoTriangle: visit(shape).
+/// Calls visit(shape) for one triangle of the object, or for all of its primitives if triangle is kNoTriangle.
 template <class Visit>
 void visit_part(const Snapshot& snapshot, ObjectId object, std::uint32_t triangle, Visit&& visit) {
   const ObjectInfo& info = *snapshot.objects[slot_of(object)];

@@ -13,7 +13,7 @@ constexpr std::size_t kFewerBy = 4;
 /// With fewer triangles a level saves nothing: a query costs as much as its answer.
 constexpr std::size_t kFewTriangles = 32;
 
-/// A level that is off by more than the mesh's size divided by this serves no query.
+/// A level that is off by more than the mesh's size divided by this is of no use to any query.
 constexpr double kUsefulShare = 16;
 
 }  // namespace
@@ -47,7 +47,7 @@ std::vector<std::shared_ptr<const SceneLevel>> build_levels(const TriangleMesh& 
   std::size_t last_count = mesh.triangles.size();
   while (last_count / kFewerBy >= kFewTriangles && !(cancelled && cancelled())) {
     const LevelTriangles left = level_with(mesh, order, last_count / kFewerBy);
-    if (left.triangles.size() > last_count / 2) break;  // the collapses end here
+    if (left.triangles.size() > last_count / 2) break;  // edges can no longer be collapsed
     auto level = std::make_shared<SceneLevel>();
     level->mesh = compact_mesh(mesh, left);
     level->originals = left.originals;

@@ -16,27 +16,27 @@ namespace collided::engine {
 struct SceneLevel {
   TriangleMesh mesh;
   Bvh tree;
-  std::vector<std::uint32_t> originals;  // the scene mesh's triangle for each of its own
-  std::vector<std::uint32_t> part_of;    // part of each triangle
+  std::vector<std::uint32_t> originals;  // the triangle of the scene's mesh for each own triangle
+  std::vector<std::uint32_t> part_of;    // part number of each triangle
   double off_by_m = 0;                   // metres; proved (surface_distance.hpp)
 
   std::uint64_t bytes() const;
 };
 
-/// The part of each triangle.
+/// Returns the part number of each triangle.
 std::vector<std::uint32_t> parts_of_triangles(const std::vector<Part>& parts, std::size_t triangle_count);
 
-/// The triangle numbers at which parts end, in the form that simplify takes.
+/// Returns the triangle numbers at which parts end, in the form that simplify takes.
 std::vector<std::uint32_t> ends_of_parts(const std::vector<Part>& parts);
 
-/// Builds levels with a quarter of the triangles, a quarter of those and so on, finest first, each with its measured
-/// bound. Stops where the collapses end, or where a level would be off by a sixteenth of the mesh's size.
+/// Builds levels, finest first, each with a quarter of the triangles of the level before and a measured bound. Stops
+/// when no more edges can be collapsed, or when a level would be off by a sixteenth of the mesh's size.
 /// cost  per level a few microseconds per triangle of the mesh, on all cores
 std::vector<std::shared_ptr<const SceneLevel>> build_levels(const TriangleMesh& mesh, const Bvh& tree,
                                                             const std::vector<Part>& parts, const CollapseOrder& order,
                                                             const std::function<bool()>& cancelled);
 
-/// The coarsest level that is off by at most error_m; null: none is.
+/// The coarsest level that is off by at most error_m; null if there is none.
 const SceneLevel* coarsest_within(const std::vector<std::shared_ptr<const SceneLevel>>& levels, double error_m);
 
 }  // namespace collided::engine

@@ -5,7 +5,7 @@
 namespace collided::engine {
 namespace {
 
-/// Up to this many scenes are asked one after the other.
+/// Up to this many scenes are tested one by one.
 constexpr std::size_t kFewScenes = 8;
 
 }  // namespace

@@ -8,8 +8,8 @@
 
 namespace collided::engine {
 
-/// The loaded scenes, in order of loading, and where there are many, a tree over their bounds. Unchanging; copies share
-/// what they hold.
+/// The loaded scenes in order of loading, with a tree over their bounds if there are many. Immutable; copies share the
+/// content.
 class SceneList {
  public:
   using Scenes = std::vector<std::shared_ptr<const StaticScene>>;
@@ -24,8 +24,8 @@ class SceneList {
   const std::shared_ptr<const StaticScene>& operator[](std::size_t index) const { return held_->scenes[index]; }
   bool operator==(const SceneList&) const = default;
 
-  /// Calls visit(index) for the scenes that a ray may meet at s in [0, limit], near to far where there are many. visit
-  /// returns the limit from then on; a negative one ends the walk.
+  /// Calls visit(index) for the scenes that a ray may meet at s in [0, limit], from near to far if there are many.
+  /// visit returns the new limit; a negative one ends the walk.
   template <class Visit>
   void walk_ray(const Ray& ray, double limit, WalkCost& cost, const Visit& visit) const {
     if (held_->tree) {
@@ -34,7 +34,7 @@ class SceneList {
     }
     for (std::size_t i = 0; i < size() && limit >= 0; ++i) limit = visit(i);
   }
-  /// The same for those that may be within sqrt(limit_m2) of a point.
+  /// Calls visit(index) for the scenes that may be within sqrt(limit_m2) of a point.
   template <class Visit>
   void walk_near(const Vec3& point, double limit_m2, WalkCost& cost, const Visit& visit) const {
     if (held_->tree) {
@@ -43,7 +43,7 @@ class SceneList {
     }
     for (std::size_t i = 0; i < size() && limit_m2 >= 0; ++i) limit_m2 = visit(i);
   }
-  /// The same for those that a box may meet. visit returns false to end the walk.
+  /// Calls visit(index) for the scenes that a box may meet. visit returns false to end the walk.
   template <class Visit>
   void walk_box(const Aabb& box, WalkCost& cost, const Visit& visit) const {
     if (held_->tree) {
@@ -54,13 +54,13 @@ class SceneList {
       if (!visit(i)) return;
     }
   }
-  /// There are so many that they are looked up in a tree; else each is asked.
+  /// True if there are enough scenes for a tree; else each is tested.
   bool are_many() const { return held_->tree != nullptr; }
 
  private:
   struct Listed {
     Scenes scenes;
-    std::unique_ptr<const BoxTree> tree;  // numbers are places in the list
+    std::unique_ptr<const BoxTree> tree;  // its numbers are positions in the list
   };
   static const std::shared_ptr<const Listed>& nothing();
 

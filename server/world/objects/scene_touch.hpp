@@ -10,7 +10,7 @@
 
 namespace collided::engine {
 
-/// One part of a static scene that was touched, or may have been (where touch.undecided).
+/// A part of a static scene that was touched, or that may have been if touch.undecided.
 struct PartContact {
   std::uint32_t part = 0;
   ContactSearch touch;
@@ -25,9 +25,9 @@ class PartContacts {
     wanted_ = contacts_wanted;
     list_.clear();
   }
-  /// The search of a part, begun if it is the part's first candidate; the reference is valid until the next call.
+  /// The search of a part, started at the part's first candidate; the reference is valid until the next call.
   ContactSearch& of(std::uint32_t part) {
-    // Neighbouring triangles belong to the same part, so it mostly is the last one again.
+    // Neighbouring triangles usually belong to the same part, so check the last one first.
     if (!list_.empty() && list_.back().part == part) return list_.back().touch;
     const auto found = std::find_if(list_.begin(), list_.end(), [&](const PartContact& t) { return t.part == part; });
     if (found != list_.end()) return found->touch;
@@ -43,15 +43,14 @@ class PartContacts {
   std::vector<PartContact> list_;
 };
 
-/// A square that no distance up to this one exceeds, even where the distance is the sum of two.
+/// A square that no distance up to this one exceeds, even if the distance is the sum of two.
 inline double square_up(double distance_m) {
   const double reach_m = distance_m * (1 + kFewSlack);
   return reach_m * reach_m * (1 + kFewSlack) + std::numeric_limits<double>::min();
 }
 
 /// Calls visit(triangle, part, corners) for each static triangle that may lie within sqrt(limit_m2) of the point and
-/// whose part is allowed, roughly near to far. visit returns the squared limit from then on; a negative one ends the
-/// walk.
+/// whose part is allowed, roughly near to far. visit returns the new squared limit; a negative one ends the walk.
 template <class Allowed, class Visit>
 void visit_scene_near(const StaticScene& scene, const Vec3& point, double limit_m2, WalkCost& cost, Allowed&& allowed,
                       Visit&& visit) {
@@ -79,8 +78,8 @@ inline Vec3 common_origin(const StaticScene& scene, const Frame& frame) {
 }
 
 /// Calls visit(triangle, corners, mover_triangle, mover_corners) for each pair of a static triangle and one of the mesh
-/// at the frame that may meet, or come within gap_m; the corners are seen from the origin. visit returns bool; false ends
-/// the walk.
+/// at the frame that may meet, or come within gap_m; the corners are relative to the origin. visit returns bool; false
+/// ends the walk.
 template <class Visit>
 void visit_scene_pairs(const StaticScene& scene, const IndexedMesh& mesh, const Frame& frame, const Vec3& origin,
                        WalkCost& cost, Visit&& visit, double gap_m = 0) {

@@ -38,10 +38,10 @@ Common common_corners(const Corners& a, const Corners& b) {
   return common;
 }
 
-/// The same triangle with its corners in the order first, second, the other one.
+/// The same triangle with its corners in the order first, second, remaining.
 Triangle turned(const Corners& c, int first, int second) { return {*c[first], *c[second], *c[3 - first - second]}; }
 
-/// Whether two triangles meet beyond what their shared corners explain.
+/// True if two triangles meet beyond their shared corners.
 bool meet(const TriangleMesh& mesh, std::uint32_t a, std::uint32_t b) {
   const Corners p = corners_of(mesh, a);
   const Corners q = corners_of(mesh, b);
@@ -67,11 +67,11 @@ struct SelfIntersectionSearch {
   const TriangleMesh& mesh;
   const SearchControl& control;
   std::vector<bool> is_flat;
-  // triangles that came as a pair with themselves, which each does once: measures progress
+  // triangles that were offered as a pair with themselves, which happens once each; measures progress
   std::uint64_t own_count = 0;
   SelfIntersections result{};
 
-  /// Reports progress now and then. False: the search is cancelled.
+  /// Reports progress now and then. False: the search was cancelled.
   bool tell() const {
     constexpr std::uint64_t kSeldom = 0x4000;
     if (result.candidate_count % kSeldom != 0) return true;
@@ -82,7 +82,7 @@ struct SelfIntersectionSearch {
   bool operator()(std::uint32_t a, std::uint32_t b) {
     ++result.candidate_count;
     own_count += a == b ? 1 : 0;
-    // The walk of a tree against itself offers each pair in both orders.
+    // A walk of the tree against itself offers each pair in both orders.
     if (a < b && !is_flat[a] && !is_flat[b] && meet(mesh, a, b)) result.pairs.push_back({a, b});
     result.is_complete = result.candidate_count < SelfIntersections::kMostCandidates &&
                          result.pairs.size() < SelfIntersections::kMostPairs && tell();

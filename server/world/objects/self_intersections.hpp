@@ -17,7 +17,7 @@ struct TrianglePair {
   auto operator<=>(const TrianglePair&) const = default;  // NOLINT(modernize-use-nullptr): it compares with 0
 };
 
-/// What the search found, and whether it could finish.
+/// Result of the search, and whether it finished.
 struct SelfIntersections {
   std::vector<TrianglePair> pairs;  // ascending
   std::uint64_t candidate_count = 0;
@@ -28,10 +28,10 @@ struct SelfIntersections {
   static constexpr std::uint64_t kMostCandidates = 1'000'000'000;
 };
 
-/// How a caller follows and ends a long search; both are called now and then.
+/// Progress and cancellation of a long search; both are called now and then.
 struct SearchControl {
   std::function<void(double)> progress{};  // fraction done in [0, 1]
-  std::function<bool()> cancelled{};       // true ends the search with what it has found
+  std::function<bool()> cancelled{};       // true ends the search with the result so far
 };
 
 /// Every pair of triangles that meet where they should not; exact, touching included. Corners with equal coordinates

@@ -10,7 +10,7 @@
 namespace collided::engine {
 namespace {
 
-/// All but a hull are doubles from end to end.
+/// Every shape but the hull consists of doubles only, without padding.
 template <class Shape>
 std::string_view bytes_of(const Shape& shape) {
   static_assert(sizeof(Shape) % sizeof(double) == 0);

@@ -12,8 +12,8 @@
 
 namespace collided::engine {
 
-/// The primitives of an object, which objects of one shape share: a copy takes no memory.
-/// threads  as std::shared_ptr: any may read, and copy its own
+/// The primitives of an object, shared between objects of one shape: a copy takes no memory.
+/// threads  as std::shared_ptr: any may read, and copy its own instance
 class SharedPrimitives {
  public:
   SharedPrimitives() = default;
@@ -35,8 +35,8 @@ class SharedPrimitives {
   std::uint32_t count_ = 0;
 };
 
-/// Finds the list among those that were made of late, so that a crowd of equal objects has one. Lists of more than
-/// kMost primitives are not remembered: they have memory of their own to speak of.
+/// Finds the list among recently made ones, so that equal objects share one. Lists of more than kMost primitives are
+/// not remembered: keeping them would take memory.
 ///
 /// memory   at most kRemembered lists
 /// threads  one
@@ -45,11 +45,11 @@ class RecentPrimitives {
   static constexpr std::size_t kMost = 8;
   static constexpr std::size_t kRemembered = 256;
 
-  /// Equal bit for bit; hulls by their meshes' identity.
+  /// Compares bit for bit; hulls by the identity of their meshes.
   SharedPrimitives shared(std::span<const Primitive> list);
 
  private:
-  std::vector<SharedPrimitives> lists_;  // by a hash; empty until it is used
+  std::vector<SharedPrimitives> lists_;  // by a hash; allocated on first use
 };
 
 }  // namespace collided::engine

@@ -10,10 +10,11 @@
 
 namespace collided::engine {
 
-/// A mark for each slot of an object table, by one rule. Follows the table by the chunks that changed, forwards and back.
+/// A mark for each slot of an object table, by one rule. Follows the table forwards and back by the chunks that
+/// changed.
 class SlotMarks {
  public:
-  /// Marks exactly the objects with is_marked(info). The rule must be that of the calls before, up to forget().
+  /// Marks exactly the objects with is_marked(info). The rule must not change between calls, except after forget().
   template <class IsMarked>
   void follow(const ObjectTable& table, const IsMarked& is_marked) {
     const std::span<const std::uint64_t> versions = table.chunk_versions();
@@ -29,10 +30,10 @@ class SlotMarks {
       }
     }
   }
-  /// Every chunk is marked anew in the next call, which may have another rule.
+  /// Makes the next call mark every chunk again; it may use another rule.
   void forget() { std::fill(chunk_versions_.begin(), chunk_versions_.end(), kUnknown); }
 
-  /// 1: marked. At least as many as the table has slots.
+  /// 1 means marked. At least as many entries as the table has slots.
   const std::vector<std::uint8_t>& by_slot() const { return marks_; }
   std::uint8_t& operator[](std::size_t slot) { return marks_[slot]; }
   std::size_t bytes() const { return marks_.capacity() + chunk_versions_.capacity() * sizeof(std::uint64_t); }
@@ -41,7 +42,7 @@ class SlotMarks {
   static constexpr std::uint64_t kUnknown = std::numeric_limits<std::uint64_t>::max();
 
   std::vector<std::uint8_t> marks_;
-  std::vector<std::uint64_t> chunk_versions_;  // of what is marked
+  std::vector<std::uint64_t> chunk_versions_;  // versions of the marked chunks
 };
 
 }  // namespace collided::engine

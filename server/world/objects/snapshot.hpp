@@ -19,14 +19,14 @@ namespace collided::engine {
 /// An object whose publisher is lost: its last known position, and its speed then.
 struct StaleObject {
   ObjectId id = 0;
-  Vec3 position = Vec3::Zero();  // of its frame
-  double reach_m = 0;            // no point of the object is farther from there, metres
+  Vec3 position = Vec3::Zero();  // position of its frame
+  double reach_m = 0;            // largest distance of a point of the object from there, metres
   double speed_mps = 0;          // between its last two poses
   std::int64_t posed_ns = 0;     // world time of the last pose
 };
 
-/// One unchanging, consistent state of every object: what a query sees.
-/// Any thread may read it for as long as it holds the lease; no thread waits for another.
+/// One immutable, consistent state of all objects: what a query sees.
+/// Any thread may read it while it holds the lease; no thread waits for another.
 struct Snapshot {
   std::uint64_t epoch = 0;
   std::uint64_t version = 0;
@@ -35,26 +35,26 @@ struct Snapshot {
   SceneList scenes;
   ObjectTable objects;
   std::vector<Pose> poses;             // by slot
-  bool has_given_poses = true;         // false: poses were worked out, as at an instant between two that were given
-  std::vector<Frame> frames;           // by slot, what poses were worked out from; empty where they were given
+  bool has_given_poses = true;         // false: poses were computed, as at an instant between two given ones
+  std::vector<Frame> frames;           // by slot, source of the poses; empty if the poses were given
   std::vector<std::int64_t> posed_ns;  // world time of the pose, by slot; 0: never moved
   std::vector<std::uint8_t> stale;     // 1: the publisher is lost, the pose is frozen
   std::vector<StaleObject> stale_objects;
   std::shared_ptr<const std::vector<Aabb>> covers;  // where the loaded geometry is complete; null: everywhere
   bool covers_without_places = false;               // covers is all that this server holds; see doubt_where_not_held()
-  std::shared_ptr<const PairRules> pair_rules;      // which pairs may touch; null: those that filters let pass alone
-  std::shared_ptr<const ParentOf> parents;          // of attached objects; null: there is none
+  std::shared_ptr<const PairRules> pair_rules;      // which pairs may touch; null: only the filters of objects decide
+  std::shared_ptr<const ParentOf> parents;          // parents of attached objects; null: none
   bool contacts_truncated = false;                  // there are more contacts than the step could report
-  std::shared_ptr<Grid> grid;  // over all bounds(), or larger ones; shared between snapshots while no object moves
-  // How many of ObjectRows' changes it has, of poses and of objects, so that refilling copies only later ones.
+  std::shared_ptr<Grid> grid;  // over all bounds(), or over larger ones; shared between snapshots while no object moves
+  // How many of ObjectRows' changes of poses and of objects it has, so that a refill copies only later ones.
   std::uint64_t changes_seen = 0;
   std::uint64_t definitions_seen = 0;
 
-  /// Where the object is. Of a given pose it is worked out anew, in some 10 ns: kept, it would take two fifths of a state's
-  /// memory.
+  /// The object's frame. Computed from a given pose on each call, in about 10 ns: storing it would take two fifths of a
+  /// state's memory.
   Frame frame(std::uint32_t slot) const { return has_given_poses ? frame_of(poses[slot]) : frames[slot]; }
-  /// Contains every point of the object at its pose; empty for free slots and static parts. Worked out anew like frames,
-  /// since only few of the objects that are asked about need it.
+  /// A box that contains every point of the object at its pose; empty for free slots and static parts. Computed on each
+  /// call like frames, since queries need it for few objects.
   Aabb bounds(std::uint32_t slot) const;
 };
 
@@ -83,10 +83,10 @@ class SnapshotRing {
     std::uint32_t index_ = 0;
   };
 
-  /// A lease of the newest state. Lock-free; any thread.
+  /// Takes a lease of the newest state. Lock-free; any thread.
   Lease newest() const;
 
-  /// A state that no reader holds, and not the newest; nullptr while readers hold all others. Writer only.
+  /// A state that no reader holds and that is not the newest; nullptr while readers hold all others. Writer only.
   Snapshot* writable();
   /// Makes the state from writable() the newest. Writer only.
   void publish();

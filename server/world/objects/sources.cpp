@@ -41,8 +41,8 @@ void Sources::expect_objects(std::uint64_t publisher) {
   source.may_bring = true;
 }
 
-/// A publisher that still gives instants keeps its source: it may define an object again, and its settled time must
-/// hold.
+/// A publisher that still gives instants keeps its source: it may define an object again, and its settled time must not
+/// change.
 void Sources::remove_object(std::uint32_t source) {
   --sources_[source].object_count;
   if (sources_[source].is_used()) return;
@@ -80,7 +80,7 @@ std::optional<std::uint32_t> Sources::advance(std::uint64_t publisher, std::int6
   const auto found = numbers_.find(publisher);
   if (found == numbers_.end()) return std::nullopt;
   Source& source = sources_[found->second];
-  // Of a streamed source known_of() counts the gap.
+  // known_of() subtracts the gap of a streamed source.
   if (is_only_alive && !source.is_streamed) time_ns = std::max(time_ns - source.gap_ns, source.known_ns);
   else time_ns = source.admitted(time_ns);
   if (time_ns > source.known_ns) {

@@ -14,7 +14,7 @@ namespace {
 
 using Flat = Eigen::Vector2d;
 
-/// A piece that needs more triangles is given up.
+/// Pieces that need more triangles are given up.
 constexpr std::size_t kMostTriangles = 2048;
 
 double cross(const Flat& a, const Flat& b) { return a[0] * b[1] - a[1] * b[0]; }
@@ -64,7 +64,7 @@ SheetOverTable::Raised SheetOverTable::raised(const Vec3& point) const {
   return {{turned[0], turned[1]}, turned[2]};
 }
 
-/// False only where the segment surely stays outside of the shrunk table: some line separates the two.
+/// False only if the segment certainly stays outside of the shrunk table: some line separates the two.
 bool SheetOverTable::may_run_over(const Raised& a, const Raised& b) const {
   const double slack = kFlatSlack * (size_ + reach_) * (size_ + reach_);
   for (std::size_t i = 0; i < 3; ++i) {
@@ -118,7 +118,7 @@ bool SheetOverTable::grow(std::uint32_t seed) {
   return true;
 }
 
-/// 1: the triangle covers the table's middle; 0: it does not; -1: roundings leave it open.
+/// 1: the triangle covers the table's middle; 0: it does not; -1: undecided because of rounding.
 int SheetOverTable::covers_middle(const std::array<Raised, 3>& corners) const {
   const double slack = kFlatSlack * (size_ + reach_) * (size_ + reach_);
   int left = 0;
@@ -170,7 +170,7 @@ double SheetOverTable::height_at_most(const Triangle& table, std::uint32_t seed)
     height = std::max(height, height_over_table(corners));
   }
   if (cover_count % 2 == 0) return kNoBound;
-  // The rim that was not tested lies within kRim * size of a point that was.
+  // The rim was not tested; it lies within kRim * size of a tested point.
   return height + kRim * size_ + kFlatSlack * (size_ + reach_);
 }
 

@@ -18,7 +18,7 @@ class TriangleNeighbours {
   /// part_of  the part's number for each triangle
   TriangleNeighbours(const TriangleMesh& mesh, std::span<const std::uint32_t> part_of);
 
-  /// The neighbour over the edge from corner k to the next; kNone: there is none, or more than one.
+  /// The neighbour over the edge from corner k to the next; kNone if there is none or more than one.
   std::uint32_t across(std::uint32_t triangle, std::size_t k) const { return across_[3 * std::size_t{triangle} + k]; }
 
  private:
@@ -29,8 +29,8 @@ class TriangleNeighbours {
 ///
 /// Grows a piece of the surface from one triangle over its edges, until no edge of the piece's border runs over the
 /// inside of the table. Then, seen along the table's normal, the number of times the piece covers a point is the same
-/// modulo 2 all over the table. Where it is odd at one point, every point of the table has a point of the piece above
-/// or below it, so the piece's greatest height over the table bounds the distance.
+/// modulo 2 all over the table. If it is odd at one point, every point of the table has a point of the piece above or
+/// below it, so the piece's greatest height over the table bounds the distance.
 ///
 /// threads  one object per thread
 class SheetOverTable {
@@ -38,7 +38,7 @@ class SheetOverTable {
   /// Both must outlive this object.
   SheetOverTable(const TriangleMesh& sheet, const TriangleNeighbours& neighbours);
 
-  /// A bound in metres, or infinity where none is found: at borders, at folds, for a table without area.
+  /// A bound in metres, or infinity if none is found: at borders, at folds, for a table without area.
   ///
   /// seed  the triangle from which the piece grows, near the table
   double height_at_most(const Triangle& table, std::uint32_t seed);
@@ -63,8 +63,8 @@ class SheetOverTable {
   const TriangleNeighbours& neighbours_;
   std::vector<std::uint32_t> taken_at_;  // by triangle: the number of the last table whose piece took it
   std::uint32_t table_number_ = 0;
-  std::vector<std::uint32_t> piece_;            // triangles of the sheet
-  std::vector<std::array<Raised, 3>> corners_;  // of the piece's triangles, in the same order
+  std::vector<std::uint32_t> piece_;            // triangle numbers in the sheet
+  std::vector<std::array<Raised, 3>> corners_;  // corners of the piece's triangles, in the same order
   std::vector<Raised> polygon_;
   std::vector<Raised> clipped_;
 
@@ -74,7 +74,7 @@ class SheetOverTable {
   std::array<Flat, 3> outline_;   // the table itself
   Flat middle_ = Flat::Zero();
   double size_ = 0;   // longest edge of the table, metres
-  double reach_ = 0;  // largest coordinate met, metres: scales the slack for roundings
+  double reach_ = 0;  // largest coordinate met, metres; scales the slack for rounding
 };
 
 }  // namespace collided::engine

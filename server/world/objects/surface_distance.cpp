@@ -18,17 +18,17 @@ namespace {
 
 constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
-/// A bound within this factor of a distance that does occur is not worth more cuts.
+/// A bound within this factor of an actual distance is not worth more cuts.
 constexpr double kCloseEnough = 1.02;
 
-/// Triangles that one thread takes at a time.
+/// Triangles per batch of a thread.
 constexpr std::size_t kBatch = 2048;
 
 /// A triangle, or a piece of one, with its bound.
 struct TrianglePiece {
   Triangle triangle;
   std::uint32_t part = 0;
-  double upper_m = kNoBound;  // no point of it is farther from the other surface
+  double upper_m = kNoBound;  // largest distance of a point from the other surface
   bool operator<(const TrianglePiece& other) const { return upper_m < other.upper_m; }
 };
 
@@ -38,7 +38,7 @@ struct NearestTriangle {
 };
 
 double distance_at_most(const Vec3& point, const Triangle& triangle) {
-  // The factor covers the rounding of the root.
+  // The factor covers the rounding of the square root.
   return std::sqrt(kernel::quick_square_distance(point, triangle).high2_m2) * (1 + kFewSlack);
 }
 
@@ -62,7 +62,7 @@ class OneSide {
   OneSide(const PartedSurface& from, const PartedSurface& to, const DistanceOptions& options)
       : from_(from), to_(to), options_(options), neighbours_(to.mesh, to.part_of) {}
 
-  /// owed_m  a bound that the caller has to report anyway: smaller distances need no refinement
+  /// owed_m  a bound that the caller has to report anyway; smaller distances need no refinement
   double bound(double owed_m) {
     reached_m_ = owed_m;
     measure_all();
@@ -72,7 +72,7 @@ class OneSide {
       if (piece.upper_m > kCloseEnough * reached_m_) pieces.push(piece);
       else upper_m = std::max(upper_m, piece.upper_m);
     }
-    // Always cut the piece with the largest bound: only it can lower the result.
+    // Always cuts the piece with the largest bound: only it can lower the result.
     for (std::size_t cuts = 0; cuts < options_.pieces_at_most && !pieces.empty(); ++cuts) {
       const TrianglePiece piece = pieces.top();
       if (!(piece.upper_m > kCloseEnough * reached_m_) || (options_.cancelled && options_.cancelled())) break;
@@ -84,7 +84,7 @@ class OneSide {
       }
     }
     if (!pieces.empty()) upper_m = std::max(upper_m, pieces.top().upper_m);
-    // Middles of edges were rounded, in each cut by half a unit in the last place of a coordinate.
+    // Each cut rounded middles of edges by half a unit in the last place of a coordinate.
     double largest = 0;
     for (const Vec3& v : from_.mesh.vertices) largest = std::max(largest, v.cwiseAbs().maxCoeff());
     constexpr double kCoordinateSlack = 0x1p-44;  // covers 2^9 cuts, each half a unit in the last place
@@ -92,7 +92,7 @@ class OneSide {
   }
 
  private:
-  /// Bounds every triangle: first as a table under the other surface, then, where that says little, by its corners.
+  /// Bounds every triangle, first as a table under the other surface, then, if that bound is too large, by its corners.
   void measure_all() {
     const std::size_t count = from_.mesh.triangles.size();
     run_in_parallel((count + kBatch - 1) / kBatch,
@@ -138,9 +138,8 @@ class OneSide {
     open_ = std::move(doubtful);
   }
 
-  /// The smallest of two kinds of bounds: the distance to one triangle is convex, so no point of the piece is farther
-  /// from it than the farthest corner; and no point is farther from the surface than a corner is, plus the longest
-  /// edge.
+  /// The smaller of two bounds. The distance to one triangle is convex, so no point of the piece is farther from it
+  /// than the farthest corner; and no point is farther from the surface than a corner plus the longest edge.
   double measured(const Triangle& t, std::uint32_t part) {
     const std::array<Vec3, 3> corners{t.a, t.b, t.c};
     const double longest_m =
@@ -176,7 +175,7 @@ class OneSide {
   const DistanceOptions& options_;
   const TriangleNeighbours neighbours_;
   std::mutex mutex_;
-  double reached_m_ = 0;                // a distance that does occur, up to roundings
+  double reached_m_ = 0;                // an actual distance, up to rounding
   std::vector<TrianglePiece> waiting_;  // bounded as tables only
   std::vector<TrianglePiece> open_;     // may be worth cutting
   double upper_of_rest_m_ = 0;

@@ -17,15 +17,15 @@ struct PartedSurface {
   std::span<const std::uint32_t> part_of;
 };
 
-/// How long surface_distance() may refine its bound.
+/// Limits of the refinement in surface_distance().
 struct DistanceOptions {
-  std::size_t pieces_at_most = 200'000;  // most pieces to cut; with fewer the bound still holds, but is wider
+  std::size_t pieces_at_most = 200'000;  // most pieces to cut; a lower limit gives a wider bound
   std::function<bool()> cancelled{};     // true ends the search with the bound found so far
 };
 
 /// A bound in metres on the distance of any point of either surface to the same part of the other one (Hausdorff
-/// distance): the distance from any point to a part differs by no more between the two surfaces. Infinite where only
-/// one of them has triangles of a part.
+/// distance): the distance from any point to a part differs by no more between the two surfaces. Infinite if only one
+/// of them has triangles of a part.
 ///
 /// cost     some microseconds per triangle, on all cores
 /// threads  any; runs threads of its own

@@ -105,7 +105,7 @@ Aabb bounds(const ObjectInfo& info, const BodyMotion& motion, double reach_m) {
 
 namespace {
 
-/// Up to this turn the bounds that leave it out of account are hardly larger, and cost a third.
+/// Up to this rotation the quick bounds are hardly larger, and cost a third.
 constexpr double kSlightTurn_rad = 0x1p-5;
 
 }  // namespace
@@ -116,7 +116,7 @@ Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, co
   const double error_m =
       kWayError * (from.position.cwiseAbs().maxCoeff() + to.position.cwiseAbs().maxCoeff() + reach_m);
   if (turn_rad <= kSlightTurn_rad) {
-    // No point is farther than the turn from where it would be without one, so the bounds at the end serve all along.
+    // The rotation moves no point farther than this, so the bounds at the end are valid throughout.
     Aabb all = bounds_at_end;
     const Vec3 back = from.position - to.position;
     all.extend(Aabb{.low = bounds_at_end.low + back, .high = bounds_at_end.high + back});

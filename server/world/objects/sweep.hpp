@@ -9,16 +9,15 @@
 
 namespace collided::engine {
 
-/// The sphere that is the whole object, if it is one and nothing else: such objects are always swept between their
-/// poses.
+/// The sphere that is the whole object, if it is a single sphere: such objects are always swept between their poses.
 std::optional<Sphere> lone_sphere(const ObjectInfo& info);
-/// The box that is the whole object, in its own frame; null where it is something else.
+/// The box that is the whole object, in its own frame; null if it is anything else.
 const Box* lone_box(const ObjectInfo& info);
 
 /// A moving sphere, and the earliest contact found so far.
 struct SphereSweep {
   MovingSphere mover;
-  // Of the bracket, as a fraction of the motion.
+  // Width of the bracket, as a fraction of the motion.
   double width = 0;
   bool contacts = true;     // compute the contact, not only its time
   SweptContact found = {};  // a is the sphere
@@ -28,8 +27,8 @@ struct SphereSweep {
 Aabb bounds(const MovingSphere& mover);
 
 /// Sweeps the sphere against one triangle, or against all near parts of an object at rest; sweep.found keeps the
-/// earliest. Far from the world's origin both are seen from the other's place, where the end of the sphere's way needs no
-/// more digits than near it.
+/// earliest. Far from the world's origin both are seen from the other's place, so that the end of the sphere's path
+/// loses no digits.
 void sweep_part(SphereSweep& sweep, const Triangle& part, std::uint32_t triangle);
 void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost);
 
@@ -37,8 +36,8 @@ void sweep_object(SphereSweep& sweep, const Placed& other, WalkCost& cost);
 SweptContact turned_round(SweptContact touch);
 ContactSearch turned_round(ContactSearch touch);
 
-/// A distance in metres that no point of the object exceeds from its frame's origin; half-spaces, which never move,
-/// count as 0.
+/// Largest distance of a point of the object from its frame's origin, metres; half-spaces, which never move, count as
+/// 0.
 double reach_of(const ObjectInfo& info);
 
 /// An upper bound on the angle between the two frames, radians.
@@ -47,22 +46,19 @@ double most_turn_rad(const Frame& from, const Frame& to);
 /// An upper bound on how far a point within reach_m of the origin moves between the two frames.
 double longest_displacement_m(const Frame& from, const Frame& to, double reach_m);
 
-/// Contains the object at every time of the motion.
+/// A box that contains the object at every time of the motion.
 Aabb bounds(const ObjectInfo& info, const BodyMotion& motion, double reach_m);
-/// The same for the motion between two frames, from the object's bounds at the last one: somewhat wider, but without
-/// computing the rotation's arc cosine.
+/// quick_bounds() does the same for the motion between two frames, from the object's bounds at the last one: somewhat
+/// wider, but without computing the rotation's arc cosine.
 Aabb quick_bounds(const ObjectInfo& info, const Frame& from, const Frame& to, const Aabb& bounds_at_end,
                   double reach_m);
 
-/// A box that goes straight and contains an object all along its motion, for the bounds of parts of long motions.
+/// A box that moves straight and contains an object throughout its motion, for the bounds of parts of long motions.
 class StraightWay {
  public:
-  /// Of a sphere, by the places of its centre.
+  /// For a sphere: from the positions of its centre.
   explicit StraightWay(const MovingSphere& sphere);
-  /// Of any object.
-  ///
-  /// bounds_at_end  the object's at the motion's end
-  /// reach_m        no point is farther from the frame's origin, by more than twice the pivot's distance where it has one
+  /// Takes any object.
   StraightWay(const BodyMotion& motion, const Aabb& bounds_at_end, double reach_m);
 
   const Vec3& travel() const { return travel_; }
@@ -74,7 +70,7 @@ class StraightWay {
  private:
   Vec3 start_;
   Vec3 travel_;
-  Aabb around_;  // of the object, seen from the point that goes straight
+  Aabb around_;  // box of the object relative to the point that moves straight
 };
 
 }  // namespace collided::engine

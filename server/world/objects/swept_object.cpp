@@ -23,32 +23,32 @@ namespace {
 /// are allowed.
 constexpr std::size_t kPairsAPiece = 8;
 constexpr std::size_t kMeshPairsAPiece = 24;
-/// Of up to so many times more pairs it is also not cut where cutting the one before it has left most of them: a long
-/// part's box holds much of a mesh that is nowhere near.
+/// A piece with up to this factor more pairs is also not cut if the previous cut left most of them: the box of a long
+/// part holds many triangles of a mesh that are not near it.
 constexpr std::size_t kManyPairs = 8;
 constexpr std::size_t kUnknownCount = std::numeric_limits<std::size_t>::max();
-/// A piece is not cut either when nothing moves farther in it than this share of the smaller body: cutting separates
+/// A piece is also not cut if nothing moves farther in it than this share of the smaller body: cutting separates
 /// nothing more.
 constexpr double kShortPiece = 0x1p-6;
-/// So many pairs take the filter as long as one takes to be tested at one time.
+/// This many pairs take the filter as long as testing one pair at one time.
 constexpr std::uint32_t kFilteredALook = 8;
-constexpr double kShortestPiece = 0x1p-40;  // of the whole motion; bisecting further gains nothing
+constexpr double kShortestPiece = 0x1p-40;  // fraction of the whole motion; bisecting further gains nothing
 
-/// A part of each body that may meet in a piece of the motion; a triangle's number, or 0 for the primitive at hand.
+/// A part of each body that may meet in a piece of the motion: a triangle's number, or 0 for the current primitive.
 struct PartPair {
   std::uint32_t a;
   std::uint32_t b;
   auto operator<=>(const PartPair&) const = default;  // NOLINT(modernize-use-nullptr): it compares with 0
 };
 
-/// A piece of a body's motion, kept from pair to pair.
+/// A piece of a body's motion, kept for the next pair.
 struct PieceOfBody {
   std::optional<kernel::MotionPiece> piece;
   const BodyMotion* motion = nullptr;
   TimeSpan span;
 };
 
-/// The part on a piece of its motion; nothing: of a kind that the filter does not know.
+/// The part on a piece of its motion; nothing if the filter does not know its kind.
 std::optional<kernel::MovingCore> moving_core(const PartMotion& part, const kernel::MotionPiece& piece) {
   return std::visit(
       [&](const auto& own) -> std::optional<kernel::MovingCore> {
@@ -60,10 +60,10 @@ std::optional<kernel::MovingCore> moving_core(const PartMotion& part, const kern
 }
 
 /// The search for the first contacts of two bodies. Parts of a are its primitives and triangles; b has triangles, or is
-/// tested primitive by primitive.
+/// tested one primitive at a time.
 class SweptSearch {
  public:
-  /// origin  from which both are seen; the points of contacts found are in world coordinates
+  /// origin  from which both are seen; points of contacts found are in world coordinates
   SweptSearch(const SweptBody& a, const SweptBody& b, const Vec3& origin, const SweepOptions& options, WalkCost& cost,
               SweptContactOf touch_of)
       : a_(a), b_(b), origin_(origin), options_(options), cost_(cost), contact_of_(touch_of) {}
@@ -85,7 +85,7 @@ class SweptSearch {
             const auto& meet);
   void meet(const PartMotion& a, std::uint32_t a_triangle, const PartMotion& b, std::uint32_t b_triangle,
             TimeSpan span);
-  /// The part of the span in which a contact would come before the one known; empty: there is none to look for.
+  /// The part of the span in which a contact would come before the known one; empty if there is none.
   TimeSpan still_open(std::uint32_t b_triangle, TimeSpan span) const {
     const SweptContact* touch = contact_of_(b_triangle);
     if (touch == nullptr) return {1, 0};
@@ -97,7 +97,7 @@ class SweptSearch {
   void primitive_and_mesh(const PartMotion& primitive, const SweptBody& other, bool primitive_is_a);
   void visit_near(const BoundedPart& part, const Vec3& motion, const SweptBody& other, const Frame& frame,
                   Bvh::BoxCandidate candidate);
-  /// Certainly no contact within the span, by a filter in plain double.
+  /// True if a filter in plain double excludes any contact within the span.
   bool is_apart(const PartMotion& primitive, const SweptBody& other, const Triangle& triangle, const TimeSpan& span);
   void meshes();
   void count_filtered() { looks_ += ++filtered_ % kFilteredALook == 0 ? 1 : 0; }
@@ -126,7 +126,7 @@ class SweptSearch {
   PieceOfBody piece_b_;
 };
 
-/// The frames of most pairs are those of the pair before.
+/// Most pairs have the same frames as the previous pair.
 const kernel::MotionPiece& SweptSearch::piece_of(PieceOfBody& kept, const BodyMotion& motion, const TimeSpan& span) {
   if (!kept.piece || kept.motion != &motion || kept.span.low != span.low || kept.span.high != span.high)
     kept = {kernel::MotionPiece(motion, span), &motion, span};
@@ -149,9 +149,9 @@ void SweptSearch::meet(const PartMotion& a, std::uint32_t a_triangle, const Part
 }
 
 /// Tests the pieces of the motion in order of time. near(span, most, found) lists the pairs that may meet in a piece
-/// and returns whether it listed them all; motion_m is how far the parts move in all.
+/// and returns whether the list is complete; motion_m is how far the parts move in total.
 ///
-/// before  how many pairs may meet in the piece that this one was cut from
+/// before  number of pairs that may meet in the piece that this one was cut from
 template <class Near>
 void SweptSearch::look(const TimeSpan& span, std::size_t few, std::size_t before, double motion_m, double size_m,
                        const Near& near, const auto& meet_pair) {
@@ -159,7 +159,7 @@ void SweptSearch::look(const TimeSpan& span, std::size_t few, std::size_t before
   std::vector<PartPair> found;
   const double length = span.high - span.low;
   const bool is_short = motion_m * length <= kShortPiece * size_m || length < kShortestPiece;
-  // If the way is longer than the body, cutting separates the pairs.
+  // If the path is longer than the body, cutting separates the pairs.
   const std::size_t most = motion_m * length <= size_m ? kManyPairs * few : few;
   const bool is_all = near(span, is_short ? options_.most_looks : most, found);
   const bool is_few = is_all && (found.size() <= few || found.size() > before / 4 * 3);
@@ -173,7 +173,7 @@ void SweptSearch::look(const TimeSpan& span, std::size_t few, std::size_t before
   // Too many pairs even for the shortest piece: the search counts as exhausted.
   if (!is_all) looks_ = options_.most_looks;
   if (is_late()) return;
-  // A split that clips triangles has one in two leaves.
+  // A split that clips triangles puts some into two leaves.
   std::sort(found.begin(), found.end());
   found.erase(std::unique(found.begin(), found.end()), found.end());
   for (const PartPair& pair : found) {
@@ -195,8 +195,8 @@ struct Listing {
   }
 };
 
-/// How far the parts move against each other from the middle of a piece to its ends, along each axis, roundings
-/// included: of both motions, and placing_m.
+/// How far the parts move relative to each other from the middle of a piece to its ends, along each axis, including the
+/// rounding of both motions and placing_m.
 Vec3 half_motion(const BodyMotion& a, double a_reach_m, const BodyMotion& b, double b_reach_m, double placing_m,
                  double length) {
   const double turn_m = a.turn_rad * a_reach_m + b.turn_rad * b_reach_m;
@@ -207,7 +207,7 @@ Vec3 half_motion(const BodyMotion& a, double a_reach_m, const BodyMotion& b, dou
 
 double size_of(const Aabb& box) { return (box.high - box.low).maxCoeff(); }
 
-/// The motions are so long that their roundings exceed both bodies: no part can be distinguished from another.
+/// True if the motions are so long that their rounding exceeds both bodies: parts cannot be distinguished.
 bool are_blurred(const BodyMotion& a, double a_reach_m, const BodyMotion& b, double b_reach_m, double size_m) {
   return size_m > 0 && !(a.error_m(a_reach_m) + b.error_m(b_reach_m) <= size_m);
 }
@@ -219,8 +219,8 @@ bool SweptSearch::is_apart(const PartMotion& primitive, const SweptBody& other, 
   return own && kernel::surely_apart(*own, core_of(other, triangle, piece_of(piece_b_, other.motion, span)));
 }
 
-/// Triangles that may come within `motion` of the part. A ball's box holds far more of a surface that it nearly touches
-/// than the ball does.
+/// Visits triangles that may come within `motion` of the part. A ball's box holds far more of a surface that it nearly
+/// touches than the ball does.
 void SweptSearch::visit_near(const BoundedPart& part, const Vec3& motion, const SweptBody& other, const Frame& frame,
                              Bvh::BoxCandidate candidate) {
   if (const Sphere* ball = std::get_if<Sphere>(&part)) {
@@ -304,7 +304,7 @@ void SweptSearch::meshes() {
   look(options_.span, kMeshPairsAPiece, kUnknownCount, motion_m, smaller_m, near, meet_pair);
 }
 
-/// A half-space never moves, so it has a test of its own. A mesh that may come near one stays undecided.
+/// A half-space never moves, so it has a test of its own. A mesh that may come near one is undecided.
 void SweptSearch::meet_ground(const SweptBody& body, const SweptBody& holder, const Primitive& ground,
                               bool ground_is_a) {
   SweptContact* touch = contact_of_(kNoTriangle);
@@ -355,7 +355,7 @@ void SweptSearch::run() {
 bool SweptContact::take(const TimeBracket& found, std::uint32_t a, std::uint32_t b) {
   const bool is_first = !yes || found.high < bracket.high ||
                         (found.high == bracket.high && std::pair(a, b) < std::pair(a_triangle, b_triangle));
-  // A contact with a later end may begin earlier: the bracket holds the first of all.
+  // A contact with a later end may begin earlier; the bracket covers all of them.
   const double low = yes ? std::min(bracket.low, found.low) : found.low;
   bracket = {low, is_first ? found.high : bracket.high};
   yes = true;
@@ -377,11 +377,11 @@ SweptBody::SweptBody(const StaticScene& scene) : mesh(&scene.mesh), tree(&scene.
 
 namespace {
 
-/// So many times farther from the world's origin than the two bodies are from each other on their ways. Nearer than that a
-/// coordinate is rounded by less than a billionth of their distance.
+/// Bodies this many times farther from the world's origin than from each other are moved near the origin. Nearer than
+/// that, a coordinate is rounded by less than a billionth of their distance.
 constexpr double kFarFromEachOther = 0x1p20;
 
-/// The corners of a box that contains all places that the body's coordinates are added to.
+/// The corners of a box that contains all offsets added to the body's coordinates.
 std::pair<Vec3, Vec3> places_of(const SweptBody& body) {
   if (body.is_scene) return {body.tree->bounds().low, body.tree->bounds().high};
   return {body.motion.from.position, body.motion.to.position};

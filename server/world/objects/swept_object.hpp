@@ -18,8 +18,8 @@ struct SweptBody {
   std::span<const Primitive> primitives;
   const TriangleMesh* mesh = nullptr;
   const Bvh* tree = nullptr;
-  double mesh_reach_m = 0;    // no vertex is farther from the frame's origin, metres
-  double mesh_placing_m = 0;  // BodyMotion::placing_m of any vertex
+  double mesh_reach_m = 0;    // largest distance of a vertex from the frame's origin, metres
+  double mesh_placing_m = 0;  // BodyMotion::placing_m for every vertex
   bool is_scene = false;      // its own coordinates are those of the world
 
   SweptBody(const ObjectInfo& info, const BodyMotion& on);
@@ -27,11 +27,11 @@ struct SweptBody {
   explicit SweptBody(const StaticScene& scene);
 };
 
-/// An origin from which both bodies are seen without rounding wherever they are (common_origin.hpp); 0 on each axis where
-/// they are not far out for the distances between them.
+/// An origin from which both bodies are seen without rounding at every place (common_origin.hpp); 0 on each axis on
+/// which they are not far out relative to their distance.
 Vec3 common_origin(const SweptBody& a, const SweptBody& b);
 
-/// A body in coordinates that count from an origin.
+/// A body in coordinates relative to an origin.
 class SeenBody {
  public:
   SeenBody(const Vec3& origin, const SweptBody& body);
@@ -48,46 +48,46 @@ class SeenBody {
 /// The first contact found so far. Times are fractions of the motion, 0 to 1.
 struct SweptContact {
   bool yes = false;
-  /// Some pair of parts, or whatever the search had no room for, is undecided: an earlier contact may exist, or one
-  /// where none was found.
+  /// Some pair of parts, or the rest after the search ran out of room, is undecided: an earlier contact may exist, or
+  /// one if none was found.
   bool undecided = false;
   bool is_cut_short = false;  // the search stopped at most_looks or its deadline
   std::uint32_t exact_tests = 0;
-  /// No contact from the begin of the span up to low; contact at high by the exact test.
+  /// No contact from the start of the span up to low; contact at high by the exact test.
   TimeBracket bracket;
   std::uint32_t a_triangle = kNoTriangle;
   std::uint32_t b_triangle = kNoTriangle;
   Contact contact;  // at bracket.high, normal from a to b
 
-  /// Takes a contact if it is the earliest so far; among equal times the lowest triangles win. True: it was taken.
+  /// Takes a contact if it is the earliest so far; among equal times the lowest triangles win. Returns true if it was
+  /// taken.
   bool take(const TimeBracket& found, std::uint32_t a, std::uint32_t b);
 };
 
-/// How far a search goes.
+/// Limits of a search.
 struct SweepOptions {
-  double width = 1e-6;   // of the bracket, as a fraction of the motion
+  double width = 1e-6;   // width of the bracket, as a fraction of the motion
   TimeSpan span = {};    // the part of the motion that is searched
   bool contacts = true;  // compute the contact, not only its time
-  /// Most pairs of parts, each at one time, that one search may test; what is open after them is undecided.
+  /// Most pairs of parts, each at one time, that one search may test; the rest is undecided.
   std::uint32_t most_looks = 100'000;
-  std::uint32_t* looks = nullptr;  // grows by those that were taken; null: not counted
-  Deadline* deadline = nullptr;    // null: none; what is open when it is over is undecided
+  std::uint32_t* looks = nullptr;  // grows by the number of tests made; null: not counted
+  Deadline* deadline = nullptr;    // null: none; the rest is undecided when it is over
 };
 
-/// The SweptContact that a triangle of b belongs to; null: the triangle is ignored. Must return the same for every call
+/// The SweptContact that a triangle of b belongs to; null to ignore the triangle. Must return the same for every call
 /// with a triangle.
 using SweptContactOf = FunctionRef<SweptContact*(std::uint32_t triangle)>;
 
-/// The first contact of two moving bodies, never late and never missed; where their motions have poses (BodyMotion::given),
-/// of the bodies as given. Cuts the motion into pieces that are short for
-/// the number of parts near each other; every pair of parts whose bounds may meet in a piece is tested for its first
-/// contact within it (part_motion.hpp).
+/// The first contact of two moving bodies, never late and never missed; for the bodies as given if their motions have
+/// poses (BodyMotion::given). Divides the motion into pieces that are short for the number of parts near each other;
+/// every pair of parts whose bounds may meet in a piece is tested for its first contact within it (part_motion.hpp).
 ///
 /// threads  any; allocates
 void sweep(const SweptBody& a, const SweptBody& b, const SweepOptions& options, WalkCost& cost, SweptContact& touch);
 
-/// The same against a scene whose triangles belong to several touches: the first contact of each. False: the search
-/// stopped early, and touches without a contact are undecided.
+/// Sweeps against a scene whose triangles belong to several touches and finds the first contact of each. False: the
+/// search stopped early, and touches without a contact are undecided.
 bool sweep_scene(const SweptBody& a, const SweptBody& scene, const SweepOptions& options, WalkCost& cost,
                  SweptContactOf touch_of);
 

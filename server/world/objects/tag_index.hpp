@@ -7,19 +7,19 @@
 
 namespace collided::engine {
 
-/// Numbers of things by a hash of their key: a table of open addressing with linear probing (Knuth, TAOCP 3, 6.4,
-/// Algorithms L and R). The keys themselves stand with the things, so an entry takes 8 bytes and a key that is not there is
-/// known as such without reading them.
+/// Numbers of items by a hash of their key: a table of open addressing with linear probing (Knuth, TAOCP 3, 6.4,
+/// Algorithms L and R). The keys are stored with the items, so an entry takes 8 bytes and most missing keys are
+/// detected without reading any key.
 /// Always: at most the given share of the entries is used.
 class TagIndex {
  public:
-  /// eighths_used  up to 7; the mean search for what is not there looks at 2.5 entries where half are used, at 32 where
-  ///               seven eighths are
+  /// eighths_used  up to 7; the mean search for a missing key reads 2.5 entries if half are used, 32 if seven eighths
+  ///               are
   explicit TagIndex(std::size_t eighths_used = 4) : eighths_used_(eighths_used) {}
 
   static constexpr std::uint32_t kNone = std::numeric_limits<std::uint32_t>::max();
 
-  /// The number under this tag for which has_key(number), or kNone.
+  /// The number under this tag for which has_key(number) is true, or kNone.
   template <class HasKey>
   std::uint32_t find(std::uint32_t tag, HasKey&& has_key) const {
     if (entries_.empty()) return kNone;
@@ -28,11 +28,11 @@ class TagIndex {
     }
     return kNone;
   }
-  /// Prefetches where a search begins. Always inline: the compiler leaves out calls of what only prefetches.
+  /// Prefetches the start of a search. Always inline: the compiler drops calls of functions that only prefetch.
   [[gnu::always_inline]] void prefetch(std::uint32_t tag) const {
     if (!entries_.empty()) __builtin_prefetch(&entries_[tag & mask_]);
   }
-  /// The key must not be there.
+  /// Adds a key, which must not be there.
   void add(std::uint32_t tag, std::uint32_t number) {
     if (8 * (count_ + 1) > eighths_used_ * entries_.size()) resize(entries_.empty() ? 16 : 2 * entries_.size());
     put({tag, number});
@@ -42,7 +42,7 @@ class TagIndex {
   void remove(std::uint32_t tag, std::uint32_t number) {
     std::size_t hole = place_of(tag, number);
     --count_;
-    // Entries after the hole move into it unless that would put them before the place where their search begins.
+    // Entries after the hole move into it unless that would put them before the start of their search.
     for (std::size_t at = (hole + 1) & mask_; entries_[at].number != kNone; at = (at + 1) & mask_) {
       const std::size_t from_home = (at - entries_[at].tag) & mask_;
       if (from_home < ((at - hole) & mask_)) continue;
@@ -52,7 +52,7 @@ class TagIndex {
     entries_[hole].number = kNone;
     if (16 * count_ < entries_.size() && entries_.size() > kLeastToShrink) resize(entries_.size() / 4);
   }
-  /// What is there under the number `from` gets the number `to`.
+  /// Replaces the number `from` of an existing entry by `to`.
   void renumber(std::uint32_t tag, std::uint32_t from, std::uint32_t to) { entries_[place_of(tag, from)].number = to; }
   std::size_t size() const { return count_; }
 
@@ -61,7 +61,7 @@ class TagIndex {
     std::uint32_t tag = 0;
     std::uint32_t number = kNone;
   };
-  static constexpr std::size_t kLeastToShrink = 4'096;  // entries: what is less is not worth the work
+  static constexpr std::size_t kLeastToShrink = 4'096;  // smaller tables are not worth shrinking
 
   std::size_t place_of(std::uint32_t tag, std::uint32_t number) const {
     std::size_t at = tag & mask_;
@@ -83,7 +83,7 @@ class TagIndex {
   }
 
   std::size_t eighths_used_;
-  std::vector<Entry> entries_;  // a power of two of them
+  std::vector<Entry> entries_;  // size is a power of two
   std::size_t mask_ = 0;
   std::size_t count_ = 0;
 };
