@@ -10,7 +10,7 @@
 namespace collided::engine {
 namespace {
 
-/// Layers and name patterns let the object count.
+/// True if layers and name patterns let the object count.
 bool is_asked_about(const ObjectInfo& info, const Questions& asked) {
   if ((info.filter.layers & asked.mask) == 0) return false;
   if (!asked.only.empty() && !glob_matches(asked.only, info.name)) return false;
@@ -21,8 +21,8 @@ bool is_filter_of(const AnswerFilter& filter, const Questions& asked) {
   return filter.mask == asked.mask && filter.only == asked.only && filter.skip == asked.skip;
 }
 
-/// Marks the unknown objects that count. A pattern of what may answer does not make the rest known; what is left out by
-/// name is.
+/// Marks the unknown objects that count. A pattern for what may answer does not make other objects known; objects
+/// excluded by name do not count.
 void follow_unknown(const Snapshot& snapshot, const Questions& asked, std::shared_ptr<UnknownSpace>& unknown) {
   if (snapshot.objects.counts().unknown == 0) {
     if (unknown) unknown->is_any = false;
@@ -75,7 +75,7 @@ void AnswerFilters::take(const Snapshot& snapshot, const Questions& asked) {
   keep_within_bytes();
 }
 
-/// A filter that is not known takes the place and the memory of the one not used for longest.
+/// A new filter replaces the least recently used one and takes over its memory.
 void AnswerFilters::switch_to(const Questions& asked) {
   current_.used_at = ++uses_;
   const auto known = std::find_if(others_.begin(), others_.end(),

@@ -9,12 +9,12 @@
 namespace collided::engine {
 namespace {
 
-/// A miss needs every test to have said no. In mode `any` one certain hit is enough; in other modes a single undecided
-/// test leaves the whole answer undecided.
+/// A miss needs a no from every test. In mode `any` one certain hit is enough; in other modes a single undecided test
+/// leaves the whole answer undecided.
 void write_found(Answers& answers, std::size_t place, Question& question) {
   const bool is_late = is_cut_short(question);
   if (is_late) {
-    // What was found so far need not be the nearest or the deepest: its bounds would be wrong.
+    // The findings so far need not contain the nearest or deepest: their bounds would be wrong.
     question.found.clear();
     question.bracket.reset();
   }
@@ -40,8 +40,7 @@ void write_found(Answers& answers, std::size_t place, Question& question) {
   for (const AnswerHit& hit : question.found) answers.hits.push_back(hit);
 }
 
-/// Turns a miss or a hit into undecided where it claims something about space that is not covered. The hits found stay
-/// in the answer.
+/// Turns a miss or a hit into undecided if it depends on space that is not covered. The hits found stay in the answer.
 void doubt_where_not_covered(Answers& answers, std::size_t place, const Question& question, const double* numbers) {
   const bool is_claim = answers.answers[place] == Verdict::miss || answers.answers[place] == Verdict::hit;
   if (!is_claim) return;
@@ -52,7 +51,7 @@ void doubt_where_not_covered(Answers& answers, std::size_t place, const Question
   answers.not_covered.push_back({.question = static_cast<std::uint32_t>(place), .leaving = *leaving});
 }
 
-/// The same where it claims something about unknown space.
+/// Turns it into undecided if it depends on unknown space.
 void doubt_where_unknown(Answers& answers, std::size_t place, Question& question, const double* numbers,
                          UnknownSpace& unknown) {
   const bool is_claim = answers.answers[place] == Verdict::miss || answers.answers[place] == Verdict::hit;
@@ -63,8 +62,8 @@ void doubt_where_unknown(Answers& answers, std::size_t place, Question& question
   if (!leaving) return;
   answers.answers[place] = Verdict::undecided;
   answers.reasons[place] = UndecidedReason::not_covered;
-  // What is nearest to a box's middle the box need not reach. In another shard's box it would be taken for something that
-  // that one answers for: a shard says such a doubt without a place.
+  // The point nearest to the box's centre need not be reached by the box. In another shard's box it would count as that
+  // shard's responsibility, so a shard reports such a doubt without a place.
   if (question.snapshot.covers_without_places && question.asked.kind == QuestionKind::box) return;
   answers.not_covered.push_back({.question = static_cast<std::uint32_t>(place), .leaving = *leaving});
 }

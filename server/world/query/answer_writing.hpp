@@ -7,15 +7,14 @@
 
 namespace collided::engine {
 
-/// The answer that needs no search: the numbers are invalid, or the deadline has passed.
+/// The answer if none needs a search: the numbers are invalid, or the deadline has passed.
 std::optional<Verdict> answer_at_once(const Questions& asked, const double* numbers);
 void write_at_once(Answers& answers, std::size_t place, Verdict answer);
 
-/// The search ended at its deadline, and what it found does not answer alone.
+/// True if the search ended at its deadline, and its findings alone do not give the answer.
 bool is_cut_short(const Question& question);
 
-/// Writes what a search found as the answer of that place, doubted where it claims something about space of which nothing
-/// is known; forgets what was found.
+/// Writes the findings as the answer at that place, as a doubt if it depends on unknown space; then forgets them.
 ///
 /// filter   the questions', whose memory for unknown space is used
 /// numbers  of the question

@@ -12,14 +12,14 @@
 namespace collided::engine {
 namespace {
 
-/// The edges of a mesh with how its triangles run along them, in a table of open addressing with linear probing (Knuth,
-/// TAOCP 3, 6.4, Algorithm L).
+/// The edges of a mesh and the directions of its triangles along them, in a table of open addressing with linear
+/// probing (Knuth, TAOCP 3, 6.4, Algorithm L).
 class EdgeRuns {
  public:
   explicit EdgeRuns(std::size_t triangles)
       : most_(3 * triangles / 2), runs_(std::bit_ceil(2 * most_ + 1)), mask_(runs_.size() - 1) {}
 
-  /// False: the edges are more than a closed mesh of so many triangles has.
+  /// False if there are more edges than a closed mesh of that many triangles has.
   bool add(std::uint32_t from, std::uint32_t to) {
     const auto [low, high] = std::minmax(from, to);
     const std::uint64_t key = std::uint64_t{low} << 32 | high;
@@ -32,7 +32,7 @@ class EdgeRuns {
     runs_[at].sum += from < to ? 1 : -1;
     return true;
   }
-  /// Each edge has exactly two triangles, which run along it in opposite directions.
+  /// True if each edge has exactly two triangles, which run along it in opposite directions.
   bool are_closed() const {
     return std::all_of(runs_.begin(), runs_.end(),
                        [](const EdgeUse& run) { return run.count == 0 || (run.count == 2 && run.sum == 0); });
@@ -50,8 +50,8 @@ class EdgeRuns {
   std::size_t count_ = 0;
 };
 
-/// Every edge has exactly two triangles, which run along it in opposite directions; vertices with equal coordinates
-/// count as one.
+/// True if every edge has exactly two triangles, which run along it in opposite directions; vertices with equal
+/// coordinates count as one.
 bool is_closed(const TriangleMesh& mesh, Deadline& deadline) {
   const std::vector<std::uint32_t> of_vertex = first_equal_vertices(mesh.vertices);
   EdgeRuns edges(mesh.triangles.size());
@@ -66,7 +66,7 @@ bool is_closed(const TriangleMesh& mesh, Deadline& deadline) {
   return !mesh.triangles.empty() && edges.are_closed();
 }
 
-/// Counts the crossings of a ray and a mesh; doubtful where the ray passes too near an edge to count them.
+/// Counts the crossings of a ray and a mesh; doubtful if the ray passes too near an edge to count them.
 struct Crossings {
   const Placed& object;
   Ray ray;
@@ -97,7 +97,7 @@ struct Crossings {
   }
 };
 
-/// Decides by the parity of a ray's crossings; undecided: every ray passes too near an edge.
+/// Decides by the parity of a ray's crossings; undecided if every ray passes too near an edge.
 Decision is_within(const Placed& outer, const Vec3& point) {
   constexpr int kMostRays = 32;
   WalkCost cost;
@@ -115,8 +115,8 @@ Decision is_within(const Placed& outer, const Vec3& point) {
   return Decision::undecided;
 }
 
-/// The inner object lies within the outer one's closed mesh; the two surfaces must not touch. That a declared solid
-/// closes is known, and its side of a point is exact.
+/// True if the inner object lies within the outer one's closed mesh; the two surfaces must not touch. A declared solid
+/// is known to be closed, and its side of a point is exact.
 bool lies_in(const Placed& inner, const Placed& outer, Deadline& deadline) {
   if (!outer.info->mesh || !overlaps(inner.bounds, outer.bounds)) return false;
   if (outer.info->rare->solid) {
@@ -125,8 +125,8 @@ bool lies_in(const Placed& inner, const Placed& outer, Deadline& deadline) {
     const std::vector<Vec3> points = points_of_pieces(*inner.info);
     return pieces_within(*outer.info->rare->solid, outer, inner, points, deadline, cost, tests).all;
   }
-  // Most objects are outside, and one point of them tells it sooner than all edges of the outer mesh are known. The
-  // surfaces do not meet, so one point decides for its whole connected piece.
+  // Most objects are outside, and testing one point is faster than checking all edges of the outer mesh. The surfaces
+  // do not meet, so one point decides for its whole connected piece.
   const auto is_in = [&](const Vec3& own) { return is_within(outer, place(inner.frame, own)); };
   const bool has_primitives = !inner.info->primitives.empty();
   if (is_in(has_primitives ? inner_ball(inner.info->primitives.front()).point

@@ -16,10 +16,10 @@ namespace collided::engine {
 namespace {
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
-constexpr double kSlack = 0x1p-40;     // relative; a thousand times the roundings of what it is put on
-constexpr double kRaySlack = 0x1p-49;  // twice the roundings of a length along an axis: one of 6 units, two of one
+constexpr double kSlack = 0x1p-40;     // relative; a thousand times the rounding of the value
+constexpr double kRaySlack = 0x1p-49;  // twice the rounding of a length along an axis: one of 6 units, two of one
 
-/// Whether the exact sum a + b is at most the limit. NaN is not.
+/// True if the exact sum a + b is at most the limit. False for NaN.
 bool sum_is_at_most(double a, double b, double limit) {
   if (limit == kEndless) return !std::isnan(a + b);
   const double sum = a + b;
@@ -27,18 +27,18 @@ bool sum_is_at_most(double a, double b, double limit) {
   return sum < limit || (sum == limit && lost_in_sum(a, b, sum) <= 0);
 }
 
-/// a + b, rounded up to the next double where the exact sum is none.
+/// a + b, rounded up to the next double if the exact sum is not a double.
 double sum_rounded_up(double a, double b) {
   const double sum = a + b;
   return sum_is_at_most(a, b, sum) ? sum : std::nextafter(sum, kEndless);
 }
 
-/// Whether the range from middle - down to middle + up lies within the limits, exactly.
+/// True if the range from middle - down to middle + up lies within the limits, exactly.
 bool is_within(double middle, double down, double up, double low, double high) {
   return sum_is_at_most(-middle, down, -low) && sum_is_at_most(middle, up, high);
 }
 
-/// How far a question reaches from its beginning along each axis, at most.
+/// Bounds how far a question reaches from its beginning along each axis.
 struct QuestionExtent {
   Vec3 from = Vec3::Zero();
   Vec3 down = Vec3::Zero();
@@ -53,7 +53,7 @@ struct QuestionExtent {
   bool is_in_one_of(std::span<const Aabb> covers) const {
     return std::any_of(covers.begin(), covers.end(), [&](const Aabb& box) { return is_within(box); });
   }
-  /// Rounded outward, but only where a sum is not a double.
+  /// Rounded outward, but only if a sum is not a double.
   Aabb around() const {
     Aabb box;
     for (int axis = 0; axis < 3; ++axis) {
@@ -78,7 +78,7 @@ QuestionExtent extent_of(const Ray& ray) {
     const double along = ray.direction[axis];
     if (along == 0 || ray.length_m == 0) continue;
     const bool is_along_axis = ray.direction[(axis + 1) % 3] == 0 && ray.direction[(axis + 2) % 3] == 0;
-    // Where the length itself is imprecise, and along an axis, the whole length is taken for the share.
+    // If the length itself is imprecise, or the ray is along an axis, the whole length is taken for the share.
     const bool is_part = is_plain(length) && !is_along_axis;
     const double reach_m = is_part ? std::abs(along) / length * ray.length_m * (1 + kRaySlack) : ray.length_m;
     (along < 0 ? extent.down : extent.up)[axis] = reach_m;
@@ -102,7 +102,7 @@ QuestionExtent extent_of_box(const double* n) {
   return {.from = point_of(n), .down = {n[3], n[4], n[5]}, .up = {n[3], n[4], n[5]}};
 }
 
-/// The sweep up to its contact, where there is one.
+/// The sweep up to its contact, if there is one.
 QuestionExtent extent_of_sweep(const ObjectInfo& mover, const double* n, const std::optional<TimeBracket>& contact) {
   const Vec3 from = point_of(n);
   const Vec3 to = point_of(n + kPoseNumbers);
@@ -114,7 +114,7 @@ QuestionExtent extent_of_sweep(const ObjectInfo& mover, const double* n, const s
   return extent_of(from, grown(motion, reach_of(mover) * (1 + kSlack) + (part == 1 ? 0 : roundings_m)));
 }
 
-/// How far a ray that starts in the box stays in it; slightly less, to cover the roundings.
+/// How far a ray that starts in the box stays in it; slightly less, to cover rounding.
 double length_within(const Ray& ray, const Aabb& box) {
   const double length = stable_length(ray.direction);
   double within_m = ray.length_m;
@@ -127,17 +127,17 @@ double length_within(const Ray& ray, const Aabb& box) {
   return within_m;
 }
 
-/// A hit's answer holds for anything that may be as near as its bound allows: only up to there must space be covered.
+/// A hit's answer holds for anything as near as its bound allows, so space must be covered only up to there.
 double nearest(const AnswerHit& hit) { return std::max(0.0, hit.distance_m - hit.error_m); }
 
-/// The length of the ray about which the answer claims something.
+/// The length of the ray on which the answer depends.
 double length_claimed(const Questions& asked, const double* n, std::span<const AnswerHit> hits) {
   if (asked.mode == HitMode::all || hits.empty()) return n[6];
   if (asked.mode == HitMode::any) return 0;
   return std::min(n[6], nearest(hits.front()));
 }
 
-/// An answer with max_hits hits claims nothing beyond the last one.
+/// An answer with max_hits hits does not depend on anything beyond the last one.
 double reach_claimed(const Questions& asked, const double* n, std::span<const AnswerHit> hits) {
   if (hits.empty() || hits.size() < asked.max_hits) return n[3];
   return std::min(n[3], nearest(hits.back()));
@@ -150,7 +150,7 @@ std::optional<Leaving> leaves(const QuestionExtent& extent, std::span<const Aabb
   return Leaving{.point = nearest_in(*outside, extent.from), .covered_m = 0};
 }
 
-/// A box around the ray's points between two lengths, grown by the roundings of both.
+/// A box around the ray's points between two lengths, grown by the rounding of both.
 Aabb stretch(const Ray& ray, double from_m, double to_m) {
   const Vec3 unit = ray.direction / stable_length(ray.direction);
   Aabb points;
@@ -165,7 +165,7 @@ Aabb stretch(const Ray& ray, double from_m, double to_m) {
   return points;
 }
 
-/// How far along the ray the single box reaches farthest that contains the ray's point at at_m.
+/// How far along the ray the farthest-reaching single box extends that contains the ray's point at at_m.
 double farthest_in_one(const Ray& ray, double at_m, std::span<const Aabb> covers) {
   const Aabb here = at_m == 0 ? Aabb{ray.origin, ray.origin} : stretch(ray, at_m, at_m);
   double farthest_m = at_m;
@@ -175,7 +175,7 @@ double farthest_in_one(const Ray& ray, double at_m, std::span<const Aabb> covers
   return farthest_m;
 }
 
-/// Goes from box to box: the stretch across each border, longer than the roundings, must lie in boxes together.
+/// Goes from box to box: a section across each border, longer than the rounding, must lie in the union of the boxes.
 double length_covered(const Ray& ray, std::span<const Aabb> covers) {
   constexpr int kMostBoxes = 1'000;
   double at_m = 0;
@@ -207,7 +207,7 @@ std::optional<Leaving> leaves_covered(const Ray& ray, std::span<const Aabb> cove
 
 namespace {
 
-/// What an answer claims something by: its hits where they are told, and a sweep's bracket.
+/// What an answer depends on: its hits if they are reported, and a sweep's bracket.
 struct Claim {
   std::span<const AnswerHit> hits;
   bool is_hit = false;
@@ -256,7 +256,7 @@ void doubt_where_not_held(const Snapshot& snapshot, const Questions& asked, Answ
     answers.reasons[i] = UndecidedReason::not_covered;
     answers.not_covered.push_back({.question = static_cast<std::uint32_t>(i), .leaving = *leaving});
   }
-  // In order of the questions, with what was not covered for another reason.
+  // Keeps the order of the questions, including those not covered for another reason.
   if (covered_before > 0) std::ranges::sort(answers.not_covered, {}, &NotCovered::question);
 }
 

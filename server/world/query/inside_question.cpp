@@ -7,7 +7,7 @@
 namespace collided::engine {
 namespace {
 
-/// The point as a ball without a radius: what a primitive decides about it holds for the point.
+/// The point as a ball of radius 0: a primitive's decision about it holds for the point.
 struct InsideSearch {
   Question& question;
   Sphere ball;
@@ -46,7 +46,7 @@ struct InsideSearch {
     take(object.info->id, touch);
     if (object.info->rare->winding && !touch.yes) search_by_winding(*object.info->rare->winding, object);
   }
-  /// A mesh that does not close has no way out to measure: what is told is how far its surface is.
+  /// An open mesh has no measurable way out, so the distance of its surface is reported.
   void search_by_winding(const WindingMesh& winding, const Placed& object) {
     const std::optional<NearestSurface> nearest = surface_from_inside(winding, object, ball.center, question);
     if (!nearest) return;
@@ -59,7 +59,7 @@ struct InsideSearch {
          .point = nearest->point,
          .normal = nearest->normal});
   }
-  /// The deepest part of an object counts.
+  /// Keeps the deepest part of an object.
   void meet_deeper(const SolidMesh& solid, const Placed& object, ContactSearch& touch) {
     ContactSearch own = begun();
     if (touch.done()) return;

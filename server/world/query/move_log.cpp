@@ -6,7 +6,7 @@
 namespace collided::engine {
 namespace {
 
-// Most objects move never or all the time: the first blocks are small, the others of 1 to 2 KiB.
+// Most objects move never or all the time: the first blocks are small, later ones take 1 to 2 KiB.
 constexpr std::size_t kMostInBlock = 16;
 
 }  // namespace
@@ -14,7 +14,8 @@ constexpr std::size_t kMostInBlock = 16;
 void MoveLog::push_back(const Move& move) {
   if (is_full()) {
     std::size_t room = blocks_.empty() ? 1 : std::min(kMostInBlock, 2 * blocks_.back().size());
-    // Objects that began together would all need their next block in one step: one of them is shorter, by where this lies.
+    // Objects that began together would all need their next block in one step, so one block is shorter, by an amount
+    // that depends on the log's address.
     if (!blocks_.empty() && 2 * blocks_.back().size() == kMostInBlock)
       room -= reinterpret_cast<std::uintptr_t>(this) / sizeof *this % (kMostInBlock / 2);
     blocks_.emplace_back().reserve(room);

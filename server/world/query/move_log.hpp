@@ -15,8 +15,8 @@ struct Move {
   Pose pose;
 };
 
-/// The moves of one object, ordered by to_ns: added at the end, forgotten at the beginning. In blocks, so that growing
-/// copies nothing: of objects that began to move together, arrays would all outgrow their memory in the same step.
+/// The moves of one object, ordered by to_ns: added at the end, forgotten at the beginning. Stored in blocks, so that
+/// growing copies nothing: the arrays of objects that began to move together would all be reallocated in the same step.
 class MoveLog {
  public:
   bool empty() const { return blocks_.empty(); }
@@ -24,13 +24,13 @@ class MoveLog {
   const Move& back() const { return blocks_.back().back(); }
 
   void push_back(const Move& move);
-  /// Whether the next move begins a block.
+  /// True if the next move begins a block.
   bool is_full() const { return blocks_.empty() || blocks_.back().size() == blocks_.back().capacity(); }
   /// Forgets the first move.
   void pop_front();
-  /// The last move of the first block; null where that is the only one.
+  /// The last move of the first block; null if that is the only block.
   const Move* end_of_first_block() const { return blocks_.size() > 1 ? &blocks_.front().back() : nullptr; }
-  /// Forgets the first block, of two or more. Returns how many moves it had.
+  /// Forgets the first of two or more blocks. Returns its number of moves.
   std::size_t pop_block();
   std::size_t size() const;
 
@@ -44,8 +44,8 @@ class MoveLog {
     }
   }
 
-  /// The move under way at that time or the next to begin, and the one before it; null where there is none. Of several
-  /// that end at one time the last counts.
+  /// The current or next move at that time, and the one before it; null if there is none. If several end at one time,
+  /// the last counts.
   struct Around {
     const Move* before = nullptr;
     const Move* next = nullptr;
@@ -54,7 +54,7 @@ class MoveLog {
 
  private:
   std::vector<std::vector<Move>> blocks_;  // none of them empty
-  std::size_t forgotten_ = 0;              // of the first block
+  std::size_t forgotten_ = 0;              // moves of the first block
 };
 
 }  // namespace collided::engine

@@ -29,22 +29,22 @@ struct NearWalk {
   Vec3 point;
   double within_m;
   double limit_m2;                  // squared search radius: square_up(wanted_m + off_by_m)
-  std::vector<ObjectId>& doubtful;  // objects whose simpler form leaves open whether they are within reach
+  std::vector<ObjectId>& doubtful;  // objects for which the simpler form leaves open whether they are within reach
   double wanted_m = within_m;       // parts farther than this cannot change the answer
-  double off_by_m = 0;              // how far the walked surface may be from the one it stands for, metres
+  double off_by_m = 0;              // how far the walked surface may be from the one that it represents, metres
 
   bool is_signed() const { return question.asked.mode == HitMode::signed_near; }
-  /// The deadline has ended the search: every walk stops at a negative limit.
+  /// True if the deadline has ended the search: every walk stops at a negative limit.
   bool is_over() const { return limit_m2 < 0; }
   void set_limit() { limit_m2 = square_up(wanted_m + off_by_m); }
-  /// Tests one part. placing.off_m() bounds how far the part may be from its exact pose, and placing.given() is what the
-  /// user gave.
+  /// Tests one part. placing.off_m() bounds how far the part may be from its exact pose, and placing.given() is the
+  /// part as given.
   template <class Part, class Placing>
   void test(const Part& part, ObjectId object, std::uint32_t triangle, const Placing& placing);
-  /// The part is within reach; decided exactly where the bound on its distance leaves it open.
+  /// True if the part is within reach; decided exactly if the bound on its distance leaves it open.
   template <class Part, class Placing>
   bool is_within(const Closest& found, double placed_m, ObjectId object, const Part& part, const Placing& placing);
-  /// Whether a solid primitive holds the point: decided for the primitive as given where placing it leaves that open.
+  /// Whether a solid primitive holds the point; decided for the primitive as given if placing it leaves that open.
   template <class Part, class Placing>
   bool holds_point(const Closest& found, double placed_m, const Part& part, const Placing& placing);
   /// Keeps a solid primitive that holds the point, by its depth.
@@ -56,7 +56,7 @@ struct NearWalk {
   void walk_object(std::uint32_t slot);
   /// A solid that holds the point is at distance 0, however far its surface is.
   void test_solid(const SolidMesh& solid, const Placed& object);
-  /// A mesh that does not close is a surface, and where its winding number says inside the distance is less than 0.
+  /// An open mesh is a surface; inside by winding number the distance is negative.
   void test_winding(const WindingMesh& winding, const Placed& object);
   template <class Test>
   void walk_local(const Bvh& tree, double radius_m, const Frame& frame, Test&& test_one);
@@ -65,8 +65,8 @@ struct NearWalk {
   void walk_movers(const Grid& grid);
 };
 
-/// How far apart the nearest points of two convex sets may be that differ by at most off_m everywhere, as in
-/// closest_in_general: every point of the true set that is as near as its nearest lies within this distance.
+/// How far apart the nearest points of two convex sets may be if the sets differ by at most off_m everywhere, as in
+/// closest_in_general: every nearest point of the true set lies within this distance.
 double within_of(double distance_m, double off_m) {
   return off_m > 0 ? (2 * std::sqrt((distance_m + off_m) * off_m) + off_m) * (1 + kBoundSlack) : 0;
 }
@@ -78,7 +78,7 @@ struct NotPlaced {
   static double off_m() { return 0; }
 };
 
-/// A part that double has placed. most_off_m bounds off_m, for a first look.
+/// A part placed in double. most_off_m bounds off_m, for a first test.
 template <class OffOf, class GivenOf>
 struct PosedPart {
   static constexpr bool kIsPlaced = true;
@@ -116,7 +116,7 @@ void NearWalk::test(const Part& part, ObjectId object, std::uint32_t triangle, c
   }
   constexpr bool kIsSurface = std::is_same_v<Part, Triangle>;
   if constexpr (kIsSurface) {
-    // Most triangles of a leaf are surely farther than the limit, and proving that costs less than the distance itself.
+    // Most triangles of a leaf are certainly beyond the limit, and proving that costs less than the distance itself.
     const double most_m2 = Placing::kIsPlaced ? square_up(wanted_m + off_by_m + placing.most_off_m()) : limit_m2;
     if (kernel::quick_square_distance(point, part).low2_m2 > most_m2) {
       ++question.exact_tests;
@@ -173,7 +173,7 @@ bool NearWalk::is_within(const Closest& found, double placed_m, ObjectId object,
     if (std::find(doubtful.begin(), doubtful.end(), object) == doubtful.end()) doubtful.push_back(object);
     return false;
   }
-  // The bound leaves open whether the part is within reach: an exact test with a ball of that radius decides.
+  // If the bound leaves open whether the part is within reach, an exact test with a ball of that radius decides.
   const Sphere ball{.center = point, .radius_m = within_m};
   if constexpr (Placing::kIsPlaced) {
     if (placed_m > 0 && kernel::precision.highest == Level::rational) {
@@ -202,7 +202,7 @@ void NearWalk::keep(const AnswerHit& hit) {
   found.insert(std::upper_bound(found.begin(), found.end(), hit, order), hit);
   if (found.size() == question.asked.max_hits) {
     const double farthest_m = std::max(found.back().distance_m - question.slack_m(), 0.0);
-    // Of what holds the point only the depth may be unknown: nothing outside is nearer.
+    // For an object that holds the point only the depth may be unknown: nothing outside is nearer.
     const bool is_held = (found.back().flags & kHitInside) != 0;
     wanted_m = std::min(wanted_m, is_held ? 0 : farthest_m + found.back().error_m);
     set_limit();
@@ -230,7 +230,7 @@ void NearWalk::walk_level(const SceneLevel& level, const StaticScene& scene) {
     }
     return limit_m2;
   };
-  // A surface within reach may have its simpler form a little outside, so search farther.
+  // The simpler form of a surface within reach may be slightly outside, so search farther.
   off_by_m = level.off_by_m;
   set_limit();
   level.tree.walk_near(point, limit_m2, 0, candidate, question.walk);
@@ -250,8 +250,8 @@ void NearWalk::walk_local(const Bvh& tree, double radius_m, const Frame& frame, 
   tree.walk_near(frame.rotation.transpose() * away, limit_m2, slack_m, candidate, question.walk);
 }
 
-/// The tree of primitives knows bounds alone, which only its box walk uses: search cubes that grow until the nearest
-/// hit lies within one, or one holds everything.
+/// The tree of primitives knows bounds only, which its box walk uses: searches growing cubes until the nearest hit lies
+/// within one, or one contains everything.
 template <class Test>
 void NearWalk::walk_parts(const IndexedParts& parts, const Frame& frame, Test&& test_one) {
   const double all_m = (point - frame.position).lpNorm<1>() + 2 * parts.radius_m;
@@ -337,7 +337,7 @@ void NearWalk::walk_movers(const Grid& grid) {
   grid.walk_near(point, limit_m2, candidate, question.walk);
 }
 
-/// Candidates were skipped if nearer by less than the allowed slack: the bounds must admit such a one.
+/// Candidates that are nearer by less than the allowed slack were skipped, so the bounds must include them.
 void widen_bounds(Question& question) {
   if (question.found.size() < question.asked.max_hits) return;
   for (AnswerHit& hit : question.found) {
@@ -352,7 +352,7 @@ void widen_bounds(Question& question) {
 /// skips.
 double share_of_levels(const Question& question) { return question.asked.error_m / 4; }
 
-/// False: simpler forms leave open which objects are within reach, so the answer needs the full ones.
+/// False if simpler forms leave open which objects are within reach, so the answer needs the full ones.
 bool find_nearest(Question& question, const double* n, bool use_levels) {
   // Reused from question to question, so that no answer allocates once it has grown.
   thread_local std::vector<ObjectId> doubtful;

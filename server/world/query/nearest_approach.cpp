@@ -18,11 +18,11 @@ namespace {
 using PathPiece = PoseMemory::RememberedPath::PathPiece;
 
 constexpr std::uint32_t kMostLooks = 20'000;
-constexpr double kGoodEnough = 1e-3;  // of the distance
+constexpr double kGoodEnough = 1e-3;  // relative to the distance
 constexpr double kFineEnough_m = 1e-6;
-constexpr double kRounding = 1e-12;  // of lengths and times here, far above what a few operations lose
+constexpr double kRounding = 1e-12;  // relative; lengths and times here lose far less in a few operations
 
-/// One of the two, on its way through an interval that holds no beginning or end of a motion.
+/// One of the two objects, on its path through an interval in which no motion begins or ends.
 class PathWalker {
  public:
   PathWalker(const Snapshot& snapshot, ObjectId id, const PoseMemory::RememberedPath& path, Deadline& deadline)
@@ -35,7 +35,7 @@ class PathWalker {
   bool can_move() const { return can_move_; }
   PairObject& object() { return object_; }
 
-  /// The piece under way throughout; null: it rests.
+  /// The piece that covers the interval; null if it rests.
   const PathPiece* piece(std::int64_t from_ns, std::int64_t to_ns) const {
     const auto next =
         std::upper_bound(path_.pieces.begin(), path_.pieces.end(), from_ns,
@@ -59,21 +59,19 @@ class PathWalker {
   double reach_m_;
 };
 
-/// A stretch of time in which neither begins nor ends a motion.
+/// An interval of time in which no motion of either begins or ends.
 struct ApproachInterval {
-  std::int64_t from_ns = 0;  // of the whole interval between two beginnings or ends
+  std::int64_t from_ns = 0;  // of the whole interval between two begins or ends
   std::int64_t to_ns = 0;
   double part_from_ns = 0;  // of this part of it
   double part_to_ns = 0;
-  double at_least_m = 0;  // the distance throughout
+  double at_least_m = 0;  // lower bound on the distance throughout
   bool is_looked_at = false;
 
   double middle_ns() const { return 0.5 * (part_from_ns + part_to_ns); }
-  /// The middle as an instant; a double of today's nanoseconds is off by up to 128 of them.
+  /// The middle as an instant; in a double, present-day nanoseconds are off by up to 128.
   std::int64_t instant_ns() const { return std::clamp<std::int64_t>(std::llround(middle_ns()), from_ns, to_ns); }
-  bool operator<(const ApproachInterval& other) const {
-    return at_least_m > other.at_least_m;
-  }  // the least comes first
+  bool operator<(const ApproachInterval& other) const { return at_least_m > other.at_least_m; }  // least bound first
 };
 
 class ApproachSearch {
@@ -97,7 +95,7 @@ class ApproachSearch {
   }
 
  private:
-  /// The most by which the distance may change from the middle to an end.
+  /// The most that the distance may change from the middle to an end.
   double change_m(const ApproachInterval& part) const {
     Vec3 travel = Vec3::Zero();
     double length_m = 0;
@@ -113,7 +111,7 @@ class ApproachSearch {
     length_m += 2 * motion_error_m(part);
     return 0.5 * (travel.norm() + length_m) * (1 + kRounding);
   }
-  /// How far the two together may be from where their motions put them at a time within a piece.
+  /// How far the two together may be from their motions at a time within a piece.
   double motion_error_m(const ApproachInterval& part) const {
     double error_m = 0;
     for (const PathWalker* walker : {&a_, &b_}) {
@@ -131,7 +129,7 @@ class ApproachSearch {
     if (!part.is_looked_at) part.at_least_m = std::max(part.at_least_m, by_bounds(part));
     waiting_.push(part);
   }
-  /// A lower bound at little cost, from the bounds of the two in the middle.
+  /// A cheap lower bound, from the bounds of the two in the middle.
   double by_bounds(const ApproachInterval& part) {
     if (deadline_.is_over()) return 0;
     place(part);
@@ -140,7 +138,7 @@ class ApproachSearch {
     const Vec3 gap = (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(0);
     return std::max(0.0, gap.norm() * (1 - kRounding) - change_m(part));
   }
-  /// The least bound among what waits is looked at, or cut in two. False: done.
+  /// Evaluates or halves the waiting interval with the least bound. False: done.
   bool step() {
     const ApproachInterval part = waiting_.top();
     const double enough_m = std::max(kGoodEnough * best_.distance_m, kFineEnough_m);
@@ -162,7 +160,7 @@ class ApproachSearch {
     }
     return true;
   }
-  /// Measures in the middle; false where that ends the search.
+  /// Measures in the middle; false if that ends the search.
   bool look(ApproachInterval part) {
     ++best_.looks;
     place(part);

@@ -5,7 +5,7 @@
 namespace collided::engine {
 namespace {
 
-/// visit(scene, part) for the run of a static scene's triangles that the object is, if it is one.
+/// Calls visit(scene, part) for the run of a static scene's triangles that the object is, if it is one.
 template <class Visit>
 void visit_scene_part(const Snapshot& snapshot, const ObjectInfo& info, const Visit& visit) {
   for (const auto& scene : snapshot.scenes) {
@@ -48,7 +48,7 @@ std::vector<GivenPart> given_parts_of_object(const Snapshot& snapshot, ObjectId 
   for (std::uint32_t i = 0; info.mesh && i < info.mesh->mesh->triangles.size(); ++i) parts.push_back(placed.given(i));
   visit_scene_part(snapshot, info,
                    [&](const StaticScene&, const Part& part) { parts.resize(parts.size() + part.triangle_count); });
-  for (GivenPart& part : parts) part.frame = nullptr;  // `placed` goes, the pose stays
+  for (GivenPart& part : parts) part.frame = nullptr;  // the frame is temporary, the pose is not
   return parts;
 }
 

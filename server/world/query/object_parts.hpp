@@ -8,7 +8,7 @@
 
 namespace collided::engine {
 
-/// How many parts an object has.
+/// Number of parts of an object.
 std::size_t part_count_of(const Snapshot& snapshot, ObjectId object);
 
 /// All parts of an object at its pose: its primitives, then its triangles in order, without an index.

@@ -11,7 +11,7 @@ namespace {
 
 using kernel::reported_at_most;
 
-/// Offers every triangle that the box may meet; where any will do, stops at the first that it meets.
+/// Visits every triangle that the box may meet; in mode `any`, stops at the first that it meets.
 template <class Allowed, class Meet>
 void meet_scene(const Box&, const Aabb& near, const StaticScene& scene, Question& question, const Allowed& allowed,
                 const Meet& meet) {
@@ -22,7 +22,7 @@ void meet_scene(const Box&, const Aabb& near, const StaticScene& scene, Question
               });
 }
 
-/// The deepest contact of a ball is with the nearest triangle, so in a scene of one part nothing farther than the
+/// The deepest contact of a ball is with the nearest triangle, so in a scene of one part no triangle farther than the
 /// deepest known needs a test.
 template <class Allowed, class Meet>
 void meet_scene(const Sphere& asked, const Aabb&, const StaticScene& scene, Question& question, const Allowed& allowed,
@@ -42,8 +42,8 @@ void meet_scene(const Sphere& asked, const Aabb&, const StaticScene& scene, Ques
                    });
 }
 
-/// The queried shape is A of each contact: normals point from it to what it meets. In mode `any` the first triangle or
-/// primitive that is met ends the search, without computing a contact: depth 0 with an infinite bound.
+/// The queried shape is A of each contact: normals point away from it. In mode `any` the first triangle or primitive
+/// that it meets ends the search, without computing a contact: depth 0 with an infinite bound.
 template <class Asked>
 void ask_overlap(Question& question, const Asked& asked, const GivenPart& given, const Aabb& near) {
   question.found.clear();

@@ -17,7 +17,7 @@ ConvexPart any_part(const Placed& object) {
   return place(object.frame, object.info->mesh->mesh->triangle(0));
 }
 
-/// The triangle of the mesh that is nearest to the point. Alternating between the two objects brings them closer.
+/// The mesh's triangle nearest to the point. Alternating between the two objects brings them closer.
 std::uint32_t nearest_triangle(const Placed& object, const Vec3& point, WalkCost& cost, Deadline& deadline) {
   const Vec3 local = object.frame.rotation.transpose() * (point - object.frame.position);
   const IndexedMesh& mesh = *object.info->mesh;
@@ -38,7 +38,7 @@ std::uint32_t nearest_triangle(const Placed& object, const Vec3& point, WalkCost
   return triangle;
 }
 
-/// Two parts whose distance is a good first bound: alternates between the meshes while that helps.
+/// Two parts whose distance is a good first bound: alternates between the meshes as long as that helps.
 Separation first_bound(const Placed& a, const Placed& b, WalkCost& cost, Deadline& deadline) {
   ConvexPart of_a = any_part(a);
   ConvexPart of_b = any_part(b);
@@ -56,7 +56,7 @@ Separation first_bound(const Placed& a, const Placed& b, WalkCost& cost, Deadlin
   return best;
 }
 
-/// The nearest pair so far, and a distance below which no tested pair is.
+/// The nearest pair so far, and a lower bound on the distance of every tested pair.
 struct NearestPair {
   Separation best;
   double low_m;
@@ -76,7 +76,7 @@ void search_meshes(const Placed& a, const Placed& b, NearestPair& nearest, WalkC
     if (deadline.is_over()) return -1.0;
     const Triangle& first = of_a.at(triangle_a);
     const Triangle& second = of_b.at(triangle_b);
-    // The index rounds corners to floats; where many pairs are about as near, doubles rule out most.
+    // The index rounds corners to floats; doubles rule out most of many almost equally near pairs.
     if (!(kernel::gap_at_least(first, second) > nearest.reach_m())) nearest.take(separation(first, second));
     return nearest.reach_m();
   };
@@ -86,7 +86,7 @@ void search_meshes(const Placed& a, const Placed& b, NearestPair& nearest, WalkC
 
 }  // namespace
 
-/// Tests all pairs within the best known distance; where a much nearer pair is found, the walk starts again with that
+/// Tests all pairs within the best known distance; if a much nearer pair is found, the walk starts again with that
 /// distance. Two meshes need no first bound: their walk goes to near triangles first.
 Separation distance_between(const Placed& a, const Placed& b, WalkCost& cost, Deadline& deadline) {
   constexpr double kMuchNearer = 0.75;

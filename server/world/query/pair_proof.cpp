@@ -1,4 +1,4 @@
-// Certificates that two objects touch or are separate, for a reader to check without trusting the engine.
+// Certificates that two objects touch or are separate, which a reader can check without trusting the engine.
 
 #include <algorithm>
 #include <cmath>
@@ -47,12 +47,12 @@ class ApartSearch {
     arrange(proof.a);
     arrange(proof.b);
   }
-  /// False: some pair has no separating plane in doubles, or the proof would need too many steps.
+  /// False if some pair has no separating plane in doubles, or the proof would need too many steps.
   bool prove() { return prove(0, proof_.a.size(), 0, proof_.b.size()); }
 
  private:
   static constexpr std::size_t kMostSteps = 100'000;
-  /// Looks at single parts, about 0.2 us each: two surfaces that run closely along each other need very many.
+  /// Visits of single parts, about 0.2 us each: two surfaces that run closely along each other need very many.
   static constexpr std::size_t kMostLooks = 20'000'000;
 
   bool prove(std::size_t a0, std::size_t a1, std::size_t b0, std::size_t b1) {
@@ -75,7 +75,7 @@ class ApartSearch {
     return (box.high - box.low).maxCoeff();
   }
 
-  /// Splits at the median of the middles, along the longest side, and does the same with each half.
+  /// Splits at the median of the middles along the longest side, then each half in the same way.
   static void arrange(const Range& parts) {
     if (parts.size() < 2) return;
     const Aabb box = bounds_of_range(parts);
@@ -89,11 +89,11 @@ class ApartSearch {
     arrange(parts.subspan(parts.size() / 2));
   }
 
-  /// Records the plane if it separates the ranges exactly; false: it does not.
+  /// Records the plane if it separates the ranges exactly; else returns false.
   bool keep(const Vec3& normal, const Vec3& point, const Range& a, const Range& b) {
     if (normal.isZero(0) || !normal.allFinite() || !point.allFinite()) return false;
-    // A component as small as rounding would make products leave the range of double where the proof is checked: set it
-    // to zero.
+    // A component as small as rounding could make products leave the range of double when the proof is checked, so it
+    // is set to zero.
     constexpr double kNothingBeside = 0x1p-100;
     const double least = kNothingBeside * normal.cwiseAbs().maxCoeff();
     if (((normal.array() != 0) && (normal.array().abs() < least)).any()) {
@@ -109,7 +109,7 @@ class ApartSearch {
     return parts_them;
   }
 
-  /// The bounds of the two ranges are separate along an axis.
+  /// Finds a plane if the bounds of the two ranges are separate along an axis.
   bool plane_along_axes(const Range& a, const Range& b) {
     const Aabb of_a = bounds_of_range(a);
     const Aabb of_b = bounds_of_range(b);
@@ -128,8 +128,8 @@ class ApartSearch {
     return false;
   }
 
-  /// Gilbert's iteration towards the nearest points of the two hulls, for a limited number of steps; any separating
-  /// plane on the way is enough.
+  /// Gilbert's iteration towards the nearest points of the two hulls, for a limited number of steps; stops at the first
+  /// separating plane.
   bool plane_between_hulls(const Range& a, const Range& b) {
     if (a.size() + b.size() == 2 || half_space_of(a[0].part) != nullptr || half_space_of(b[0].part) != nullptr)
       return false;
@@ -157,7 +157,7 @@ class ApartSearch {
     if (const HalfSpace* ground = half_space_of(part_a)) return keep(ground->normal, ground->point, a, b);
     const Separation apart = separation(part_a, part_b);
     if (const HalfSpace* ground = half_space_of(part_b)) {
-      // Halfway between the lowest point of a and the plane; or, if rounding spoils that, at a's point.
+      // Halfway between the lowest point of a and the plane; if rounding spoils that, at a's point.
       const Vec3 normal = -ground->normal;
       return keep(normal, apart.on_a / 2 + apart.on_b / 2, a, b) || keep(normal, apart.on_a, a, b) ||
              beside_corners(normal, a, b);

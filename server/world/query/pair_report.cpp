@@ -16,7 +16,7 @@ Decision decision_of(const ContactSearch& touch) {
   return touch.undecided ? Decision::undecided : Decision::no;
 }
 
-/// The pairs of triangles that overlap, offered as parts; visit returns false to end. As visit_part_pairs() does.
+/// Visits the overlapping pairs of triangles as parts, like visit_part_pairs(); visit returns false to end.
 void visit_met(const Placed& a, const Placed& b, const TrianglePairs& met, const PartPairVisit& visit) {
   PlacedTriangles all_of_a(*a.info->mesh->mesh, a.frame);
   PlacedTriangles all_of_b(*b.info->mesh->mesh, b.frame);
@@ -25,7 +25,7 @@ void visit_met(const Placed& a, const Placed& b, const TrianglePairs& met, const
   }
 }
 
-/// Every pair of triangles that share a point, where they are too many to be kept or one of the two has other parts too.
+/// All pairs of triangles that share a point, if they are too many to be kept or one of the two has other parts too.
 TrianglePairs met_triangles(const Placed& a, const Placed& b, WalkCost& cost, Deadline& deadline) {
   TrianglePairs pairs;
   const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {
@@ -37,11 +37,11 @@ TrianglePairs met_triangles(const Placed& a, const Placed& b, WalkCost& cost, De
   return pairs;
 }
 
-/// Tells what pairs of triangles share; counts all, keeps the first in order.
+/// Reports what pairs of triangles share; counts all, keeps the first in order.
 void tell_crossings(const Placed& a, const Placed& b, TrianglePairs pairs, std::uint32_t most, PairReport& report,
                     Deadline& deadline) {
   std::sort(pairs.begin(), pairs.end());
-  // A split that clips triangles may offer a pair twice.
+  // A split that clips triangles may produce a pair twice.
   pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
   report.crossing_count = pairs.size();
   pairs.resize(std::min<std::size_t>(pairs.size(), most));
@@ -120,7 +120,7 @@ void turn_round(PairReport& report) {
 }  // namespace
 
 /// Decides in the order of the objects' names, so that the answer depends neither on the order of the request nor on
-/// that in which a server met the objects. Only the proof keeps the request's order.
+/// the order in which a server received the objects. Only the proof keeps the request's order.
 PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const PairAsk& ask) {
   const OwnFloatEnvironment own_floats;
   const auto order = [&](ObjectId id) { return std::tie(snapshot.objects[slot_of(id)]->name, id); };
@@ -143,10 +143,10 @@ PairReport report_pair(const Snapshot& snapshot, ObjectId a, ObjectId b, const P
 
 namespace {
 
-/// Parts whose normals differ by more than 26 degrees are corners and edges of surfaces that bear elsewhere.
+/// Parts whose normals differ by more than 26 degrees are corners and edges of surfaces in contact elsewhere.
 constexpr double kSameWay = 0.9;
 
-/// Known without the contact of the two, as of most triangles of two bodies deep in each other.
+/// True if that is known without the contact of the two, as for most triangles of two bodies deep in each other.
 bool surely_points_elsewhere(const ConvexPart& a, const ConvexPart& b, const Vec3& normal) {
   const auto* triangle_a = std::get_if<Triangle>(&a);
   const auto* triangle_b = std::get_if<Triangle>(&b);

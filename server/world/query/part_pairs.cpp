@@ -3,7 +3,7 @@
 namespace collided::engine {
 namespace {
 
-/// One walk over pairs; stops everywhere as soon as the visit returns false.
+/// One walk over pairs; stops at all levels as soon as the visit returns false.
 struct PartPairWalk {
   const Placed& a;
   const Placed& b;
@@ -14,7 +14,7 @@ struct PartPairWalk {
 
   bool tell(const PlacedPart& of_a, const PlacedPart& of_b) { return goes_on = goes_on && visit(of_a, of_b); }
 
-  /// Offers the triangles of an object's mesh that may be near a part of the other object.
+  /// Visits the triangles of an object's mesh that may be near a part of the other object.
   template <class Tell>
   void triangles_near(const ConvexPart& part, const Placed& object, const Tell& tell_one) {
     const IndexedMesh& mesh = *object.info->mesh;

@@ -14,7 +14,7 @@ struct PlacedPart {
   std::uint32_t triangle = kNoTriangle;
 };
 
-/// Offers the pairs of parts that may come within gap_m of each other (0: that may meet), and possibly others. visit
+/// Visits the pairs of parts that may come within gap_m of each other (0: that may meet), and possibly others. visit
 /// returns false to end the walk.
 using PartPairVisit = std::function<bool(const PlacedPart& a, const PlacedPart& b)>;
 void visit_part_pairs(const Placed& a, const Placed& b, double gap_m, const PartPairVisit& visit, WalkCost& cost);

@@ -13,20 +13,20 @@
 namespace collided::engine {
 namespace {
 
-/// Of two triangles met, what the answer says of equal distances: by the names of their objects, then by their numbers.
+/// Which of two triangles comes first in the answer at equal distance: by the names of their objects, then by number.
 bool precedes_in_answer(const Snapshot& snapshot, const StaticScene& a_scene, std::uint32_t a,
                         const StaticScene& b_scene, std::uint32_t b) {
   const ObjectId a_object = a_scene.part_objects[a_scene.part_of(a)];
   const ObjectId b_object = b_scene.part_objects[b_scene.part_of(b)];
-  // Triangles of one part stand in the order of their numbers.
+  // Triangles of one part are ordered by number.
   if (a_object == b_object) return a < b;
   const ObjectTable& objects = snapshot.objects;
   return objects[slot_of(a_object)]->name < objects[slot_of(b_object)]->name;
 }
 
-/// A plain ray's part of the walk.
+/// A plain ray's state in the walk.
 struct PlainWalker {
-  // Without values of their own: a group's would be written twice.
+  // Without default values: a group's members would be written twice.
   PlainRay* of;
   const Snapshot* snapshot;
   bool any;
@@ -49,10 +49,10 @@ struct PlainWalker {
   }
 
  private:
-  /// Where there is a hit already. Apart from it, since most rays have one candidate.
+  /// For a candidate after the first hit. A function of its own, since most rays have one candidate.
   [[gnu::noinline]] double compare_with_best(const StaticScene& scene, std::uint32_t triangle,
                                              const Triangle& corners) const {
-    // A clipped split offers a triangle twice, and then it would tie with itself.
+    // A clipped split produces a triangle twice, which would tie with itself.
     if (of->met == triangle && of->scene == &scene) return of->limit;
     RayHit next;
     if (!is_met(corners, next) || !is_nearer(next, scene, triangle, corners)) return of->limit;
@@ -86,7 +86,7 @@ inline PlainWalker walker_of(PlainRay& ray, const Snapshot& snapshot, const Ques
   return {&ray, &snapshot, asked.mode == HitMode::any, asked.with_hits};
 }
 
-/// Converted where the answer keeps it, a hit is made there: a copy of one made elsewhere waits until its numbers have
+/// Converts to a hit inside the answer's storage: a copy of a hit made elsewhere would wait until its numbers have
 /// reached the cache.
 struct HitInPlace {
   const RayHit& hit;
@@ -138,8 +138,8 @@ inline bool reaches(const Snapshot& snapshot, const std::vector<std::uint8_t>& a
   return wire_contract::keeps_rules<wire_contract::kRayFields>(ray);
 }
 
-/// The rules number by number cost more than a node of the tree. Magnitudes whose sum is within the limit are within it,
-/// and a larger sum decides nothing.
+/// Checking the rules number by number costs more than a node of the tree. If the sum of magnitudes is within the
+/// limit, each is; a larger sum decides nothing.
 [[gnu::always_inline]] inline bool keeps_ray_rules(const double* numbers) {
   const double direction = std::abs(numbers[3]) + std::abs(numbers[4]) + std::abs(numbers[5]);
   const double sum = std::abs(numbers[0]) + std::abs(numbers[1]) + std::abs(numbers[2]) + direction;
@@ -159,7 +159,7 @@ inline bool start(const double* numbers, PlainRay& ray) {
   return is_limit_known(ray.ray, ray.limit);
 }
 
-/// A miss needs every test to have said no; where any hit will do, one that is certain is enough.
+/// A miss needs a no from every test; in mode `any` one certain hit is enough.
 inline void write(const Snapshot& snapshot, const Questions& asked, const PlainRay& ray, std::size_t place,
                   Answers& answers) {
   const bool is_hit = ray.met != kNoTriangle;

@@ -13,17 +13,17 @@
 namespace collided::engine {
 namespace {
 
-// What the scene consists of, as far as the plan's sentences need it.
+// Content of the scene, as far as the plan's sentences need it.
 struct SceneCounts {
   std::uint64_t static_triangles = 0;
   std::uint32_t moving = 0;
-  std::uint32_t placed = 0;  // objects with shapes of their own that do not move
+  std::uint32_t placed = 0;  // static objects with shapes of their own
   std::uint32_t moving_meshes = 0;
   std::uint32_t lone_spheres = 0;
   std::uint32_t indexed_parts = 0;  // objects whose primitives have an index
   std::uint64_t parts = 0;          // primitives of those objects
   std::uint32_t with_mesh = 0;
-  std::uint32_t meshes = 0;      // distinct ones among them
+  std::uint32_t meshes = 0;      // distinct ones among their meshes
   std::uint32_t solids = 0;      // objects with a mesh that was declared solid
   std::uint32_t by_winding = 0;  // objects with a mesh that is solid by winding number
   std::uint64_t winding_bytes = 0;
@@ -73,7 +73,7 @@ std::string with_digits(double value, int digits) {
   return text.data();
 }
 
-// How far each level of detail is off.
+// The error of each level of detail.
 std::string level_words(const Snapshot& snapshot) {
   std::string words;
   for (const auto& scene : snapshot.scenes) {
@@ -211,7 +211,7 @@ std::vector<PairRow> pair_table() {
   const std::string parts = "part by part, as the parts are";
   const std::string plane = "reach along its normal: " + closed + "; of objects that do not move, alone in their shape";
   const std::array<const char*, 7> convex{"sphere", "box", "capsule", "cylinder", "cone", "ellipsoid", "hull"};
-  constexpr std::size_t kClosedForms = 3;  // the first so many among themselves, and against triangles
+  constexpr std::size_t kClosedForms = 3;  // the first of these kinds, among themselves and against triangles
   constexpr std::size_t kHull = 6;
   std::vector<PairRow> rows;
   for (const char* b : convex) rows.push_back({"ray", b, closed});

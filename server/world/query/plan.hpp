@@ -24,11 +24,11 @@ struct PairRow {
   std::string how;
 };
 
-/// Which structures this scene built and which it left out, with reasons.
+/// Lists the structures that this scene built and those that it left out, with reasons.
 std::vector<PlanRow> plan_of(const Snapshot& snapshot, bool events_wanted);
 /// The plan's row for probes, which depend on the server rather than on a snapshot.
 PlanRow plan_of_probes(std::size_t count, bool are_read);
-/// The row for searches of fences and of questions for the nearest that ended at their limit, of which there is one or more.
+/// The row for searches of fences and of questions for the nearest that ended at their limit; count is at least 1.
 PlanRow plan_of_cut_searches(std::uint64_t count);
 /// One row for every pair of kinds of shapes.
 std::vector<PairRow> pair_table();

@@ -15,8 +15,8 @@
 namespace collided::engine {
 namespace {
 
-/// Two objects may have used one slot at the instant, where the later one's publisher has a time that lags: the second
-/// gets a new slot.
+/// Two objects may have used one slot at the instant, if the later one's publisher lags in time: the second gets a new
+/// slot.
 std::uint32_t add_slot(std::vector<ObjectTable::Entry>& objects, Snapshot& state) {
   const auto slot = static_cast<std::uint32_t>(objects.size());
   objects.emplace_back();
@@ -68,7 +68,7 @@ void PoseMemory::note(const Step& step) {
   }
 }
 
-/// Moves the start of the reach: by age, and in small steps where the poses exceed the memory limit.
+/// Moves the start of the reach: by age, and in small steps if the poses exceed the memory limit.
 void PoseMemory::move_floor() {
   from_ns_ = std::max(from_ns_, to_ns_ - options_.reach_ns);
   if (is_over_limit()) from_ns_ += (to_ns_ - from_ns_) / 64;
@@ -81,7 +81,7 @@ void PoseMemory::move_floor() {
 void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
   Life& life = lives_[slot];
   const std::shared_ptr<const ObjectInfo>& info = step.rows.table()[slot];
-  // Mostly it is the one from before, which need not be looked at.
+  // Mostly it is the same info as before, which then needs no reading.
   if (life.info && life.info != info && (!info || info->id != life.info->id)) end(life);
   if (!info) return;
   const ObjectRow& row = step.rows[slot];
@@ -94,7 +94,7 @@ void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
             .moves = {},
             .pivots = {}};
   }
-  life.source = step.rows.source(slot);  // an attached object has its parent's
+  life.source = step.rows.source(slot);  // an attached object has its parent's source
   if (!step.rows.is_posed(slot)) return;
   const bool has_source = life.source != Sources::kResting;
   const MotionTimes times =
@@ -104,7 +104,7 @@ void PoseMemory::note_object(const Step& step, std::uint32_t slot) {
 }
 
 void PoseMemory::Life::note_pivot(std::int64_t to_ns, const Vec3& pivot) {
-  constexpr std::size_t kMost = 64;  // an object is seldom attached so often within the memory's reach
+  constexpr std::size_t kMost = 64;  // an object is rarely attached more often within the memory's reach
   const Vec3 before = pivots.empty() ? Vec3::Zero() : pivots.back().point;
   if (before == pivot) return;
   if (pivots.size() == kMost) pivots.erase(pivots.begin());
@@ -134,7 +134,7 @@ void PoseMemory::add_move(Life& life, const Move& move) {
   ++move_count_;
 }
 
-/// Forgets whole blocks of moves that ended before the reach. To look for single ones at each move would bring memory
+/// Forgets whole blocks of moves that ended before the reach. Searching for single ones at each move would load memory
 /// into the cache that nothing else needs.
 void PoseMemory::forget_blocks(Life& life) {
   for (const Move* end = life.moves.end_of_first_block(); end != nullptr && end->to_ns <= from_ns_;
@@ -152,7 +152,7 @@ void PoseMemory::forget(Life& life) {
   }
 }
 
-/// What blocks hold of the time before the reach, and objects that have come to rest, a few objects a step.
+/// Forgets older moves that blocks still hold, and those of objects at rest, a few objects per step.
 void PoseMemory::forget_in_turn() {
   const std::size_t count = std::min<std::size_t>(64, lives_.size());
   for (std::size_t i = 0; i < count; ++i, ++turn_) {
@@ -189,7 +189,7 @@ std::shared_ptr<const Snapshot> PoseMemory::at(std::int64_t time_ns) const {
     state->scenes = scenes_;
     state->covers = covers_;
     state->covers_without_places = covers_without_places_;
-    // What may touch, and what moves along with what, is a rule of now for any instant.
+    // Pair rules and attachments are not remembered: the present ones apply to any instant.
     state->pair_rules = pair_rules_;
     state->parents = parents_;
     state->poses.resize(lives_.size());
@@ -251,7 +251,7 @@ void PoseMemory::put(const Life& life, std::uint32_t slot, std::int64_t time_ns,
                                  .posed_ns = known_ns});
 }
 
-/// Of a lost publisher's object nothing is known after its last pose; of a removed one, everything.
+/// Nothing is known about a lost publisher's object after its last pose, and everything about a removed one.
 std::int64_t PoseMemory::known_of(const Life& life) const {
   if (life.gone_ns != Life::kStillThere) return kForEver;
   for (const StaleObject& stale : stale_objects_) {

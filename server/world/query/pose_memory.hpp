@@ -17,15 +17,15 @@ namespace collided::engine {
 class ObjectRows;
 class Sources;
 
-/// How much the memory of poses may hold.
+/// Limits of the memory of poses.
 struct PoseMemoryOptions {
-  std::int64_t reach_ns = 0;          // how far back it reaches; 0: it is off
-  std::size_t max_bytes = 512 << 20;  // of poses; with more, the memory reaches less far back
+  std::int64_t reach_ns = 0;          // how far back it reaches; 0: off
+  std::size_t max_bytes = 512 << 20;  // of poses; beyond this the memory reaches less far back
 };
 
-/// Where objects were: gives a snapshot of any instant of the last seconds, with each object where its publisher's
-/// poses put it. Reaches back no farther than the last change of static geometry, since keeping two versions would take
-/// twice the memory.
+/// Where objects were: gives a snapshot of any recent instant, with each object where its publisher's poses put it.
+/// Reaches back no farther than the last change of static geometry, since keeping two versions would take twice the
+/// memory.
 /// threads  the writer notes each step; any thread may call the rest, and waits at most for one note
 class PoseMemory {
  public:
@@ -33,13 +33,13 @@ class PoseMemory {
 
   bool is_on() const { return options_.reach_ns > 0; }
 
-  /// What a step has changed, before the rows forget it.
+  /// The changes of a step, before the rows forget them.
   struct Step {
     const ObjectRows& rows;
     const Sources& sources;
     const SceneList& scenes;
     const std::vector<StaleObject>& stale_objects;
-    const Snapshot& snapshot;  // the one that this step fills
+    const Snapshot& snapshot;  // the snapshot that this step fills
   };
   /// Remembers a step. Writer only.
   void note(const Step& step);
@@ -53,24 +53,24 @@ class PoseMemory {
   /// Bytes of remembered poses.
   std::size_t bytes() const;
 
-  /// Where one object went, within the reach.
+  /// The path of one object, within the reach.
   struct RememberedPath {
-    /// From one pose to the next; a jump where both have one time. Between two it rests.
+    /// From one pose to the next; a jump if both have the same time. Between two pieces it rests.
     struct PathPiece {
       std::int64_t from_ns = 0;
       std::int64_t to_ns = 0;
       BodyMotion motion;
     };
-    std::int64_t from_ns = 0;  // it was there from then on, and its place is known
-    std::int64_t to_ns = 0;    // up to then
-    Frame first;               // before the first piece
+    std::int64_t from_ns = 0;  // it existed from then on, at a known place
+    std::int64_t to_ns = 0;    // until then
+    Frame first;               // frame before the first piece
     std::vector<PathPiece> pieces;
   };
-  /// Nothing where the object is not there now or the memory is off.
+  /// Nothing if the object does not exist now or the memory is off.
   std::optional<RememberedPath> path_of(ObjectId id) const;
 
   /// The state of every object at that instant; null outside of reach(). Objects that existed then but whose poses are
-  /// not known so far appear as stale: somewhere within the largest speed that they ever had. Poses within a motion are
+  /// not known yet appear as stale: somewhere within the largest speed that they ever had. Poses within a motion are
   /// rounded to a few units in the last place of their coordinates.
   /// cost  all objects once, and an index over them
   std::shared_ptr<const Snapshot> at(std::int64_t time_ns) const;
@@ -83,10 +83,11 @@ class PoseMemory {
     std::shared_ptr<const ObjectInfo> info;
     std::int64_t born_ns = 0;
     std::int64_t gone_ns = kStillThere;
-    std::uint32_t source = 0;  // whose time its poses have
-    Pose first;                // before the first of the moves
+    std::uint32_t source = 0;  // source whose time its poses have
+    Pose first;                // pose before the first move
     MoveLog moves;
-    /// From a move's end on, the point of its frame that moves straight, as of BodyMotion; before the first: its origin.
+    /// The point of its frame that moves straight after a move's end, as in BodyMotion; before the first entry: its
+    /// origin.
     struct Pivot {
       std::int64_t from_ns = 0;
       Vec3 point = Vec3::Zero();
@@ -137,7 +138,7 @@ class PoseMemory {
   std::int64_t from_ns_ = 0;
   std::int64_t to_ns_ = 0;
   std::size_t move_count_ = 0;
-  std::size_t turn_ = 0;  // the slot that forget_in_turn() looks at next
+  std::size_t turn_ = 0;  // the slot that forget_in_turn() examines next
 };
 
 }  // namespace collided::engine

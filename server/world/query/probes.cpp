@@ -16,7 +16,7 @@ namespace {
 
 bool same(const Filter& a, const Filter& b) { return a.layers == b.layers && a.mask == b.mask && a.group == b.group; }
 
-/// Casts the ray of one probe, with a limit that differs from call to call.
+/// Casts the ray of one probe, with a limit that differs between calls.
 struct ProbeRay {
   const Snapshot& snapshot;
   const std::vector<std::uint8_t>& allowed;
@@ -109,7 +109,7 @@ Probes::Audience& Probes::audience_of(const Snapshot& snapshot, const ObjectInfo
     return same(audience.filter, object.filter) && audience.partners == object.rare->allowed;
   });
   if (known != audiences_.end() && known->table_version == snapshot.objects.version()) return *known;
-  // Filters are usually few. Where they are not, memory must not grow with them.
+  // There are usually few filters. If there are many, memory must not grow with them.
   constexpr std::size_t kMost = 64;
   if (known == audiences_.end() && audiences_.size() >= kMost) audiences_.clear();
   Audience& audience = known != audiences_.end() ? *known : audiences_.emplace_back();
@@ -175,7 +175,7 @@ ProbeReading Probes::read(const Snapshot& snapshot, const Probe& probe) {
     else reading.state = ray.state_about(back_m);
     agree_with_sign(reading);
   }
-  // The space up to the hit, or as far as the ray looks, must be covered by loaded geometry.
+  // The space up to the hit, or to the end of the ray, must be covered by loaded geometry.
   const double known_m = back_m + (first == nullptr ? probe.definition.reach_m : reading.clearance_m - reading.error_m);
   const bool is_known = !reaches_unknown_space(snapshot, start, direction, std::max(0.0, known_m));
   const bool is_covered =

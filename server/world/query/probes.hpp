@@ -13,13 +13,13 @@
 
 namespace collided::engine {
 
-inline constexpr std::uint32_t kMaxProbes = 4'096;  // of a world
+inline constexpr std::uint32_t kMaxProbes = 4'096;  // per world
 
 using codes::ProbeState;
 
 /// A ray fixed to an object, for example under a wheel, that measures its clearance. It starts back_m behind the
 /// origin; the distance to the first hit, less back_m, is the signed distance from the origin to that surface. Because
-/// it looks from behind, an origin that sank into the ground differs from one above it, whichever way the ground's
+/// the ray starts behind it, an origin that sank into the ground differs from one above it, whichever way the ground's
 /// triangles are wound.
 struct ProbeDefinition {
   std::string name;                 // unique; replaces a probe of that name
@@ -33,11 +33,11 @@ struct ProbeDefinition {
 /// |truth - clearance_m| <= error_m, with an exact sign, for the ray from the placed and rounded start; touching is
 /// exactly 0. State `deeper`: the start is inside a solid, and the true clearance is at most clearance_m = -back_m.
 struct ProbeReading {
-  ObjectId object = 0;  // 0: the object is not in the world
+  ObjectId object = 0;  // 0: the object does not exist
   ProbeState state = ProbeState::absent;
   double clearance_m = 0;
   double error_m = 0;
-  // What the ray hits first: object, triangle, point and normal in world coordinates.
+  // The first hit: object, triangle, point and normal in world coordinates.
   ObjectId met = 0;
   std::uint32_t triangle = kNoTriangle;
   Vec3 point = Vec3::Zero();
@@ -49,7 +49,7 @@ struct ProbeReading {
 /// threads  one
 class Probes {
  public:
-  /// Adds or replaces a probe; returns the reason where it is refused.
+  /// Adds or replaces a probe; returns the reason if it is refused.
   std::optional<Refusal> set(const ProbeDefinition& definition);
   /// Removes the probes whose names match the glob; returns their names.
   std::vector<std::string> remove(std::string_view glob);
@@ -75,8 +75,8 @@ class Probes {
     AllowedPartners partners;
     SlotMarks allowed;
     std::vector<std::uint8_t> open_scenes;  // by scene: every part of it is allowed
-    std::uint64_t table_version = 0;        // that `allowed` is of
-    std::uint64_t parts_version = 0;        // that open_scenes are of
+    std::uint64_t table_version = 0;        // version of the table for `allowed`
+    std::uint64_t parts_version = 0;        // version for open_scenes
   };
 
   void bind(const Snapshot& snapshot, const Find& find);
@@ -86,7 +86,7 @@ class Probes {
 
   std::vector<Probe> probes_;
   std::vector<Audience> audiences_;
-  std::uint64_t bound_version_ = 0;  // version of the object table that objects and audiences belong to
+  std::uint64_t bound_version_ = 0;  // version of the object table for objects and audiences
   bool is_bound_ = false;
   std::vector<AnswerHit> found_;
   UnknownSpace unknown_;

@@ -18,18 +18,18 @@ inline bool is_same_pattern(std::string_view a, std::string_view b) {
   return a.size() == b.size() && (a.empty() || a == b);
 }
 
-/// Whether the filter is the questions', as of the snapshot.
+/// True if the filter is that of the questions, for the snapshot.
 inline bool is_filter_taken(const AnswerFilter& filter, const Snapshot& snapshot, const Questions& asked) {
   return filter.table_version == snapshot.objects.version() && filter.mask == asked.mask &&
          is_same_pattern(filter.only, asked.only) && is_same_pattern(filter.skip, asked.skip);
 }
 
-/// Apart, since most questions have the filter of those before.
+/// A function of its own, since most questions have the same filter as those before.
 [[gnu::noinline]] void take_filter(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch) {
   scratch.filters.take(snapshot, asked);
 }
 
-/// What a call of `answer` sets up before its first question, and puts back.
+/// Set-up of a call of `answer` before its first question, undone at the end.
 class AnswerScope {
  public:
   AnswerScope(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch)
@@ -42,7 +42,7 @@ class AnswerScope {
   PrecisionScope precision_;
 };
 
-/// Any questions but a plain ray alone, which would carry what is needed here.
+/// Answers any questions but a single plain ray, which would carry needless state.
 [[gnu::noinline]] void answer_any(const Snapshot& snapshot, const Questions& asked, Answers& answers,
                                   QueryScratch& scratch) {
   const std::uint32_t stride = numbers_of(asked.kind);
@@ -55,7 +55,7 @@ class AnswerScope {
   if (!snapshot.stale_objects.empty()) doubt_where_stale_objects_reach(snapshot, asked, answers);
 }
 
-/// False: it is not plain, and its answer is not written.
+/// False: the ray is not plain, and its answer is not written.
 bool answer_plain_ray_alone(const Snapshot& snapshot, const Questions& asked, Answers& answers, QueryScratch& scratch) {
   answers.reset(1);
   const AnswerScope scope(snapshot, asked, scratch);

@@ -30,11 +30,11 @@ using codes::QuestionKind;
 using codes::UndecidedReason;
 using codes::Verdict;
 
-/// Those that are numbers alone; a sweep has a shape as well, a what-if names objects (world/groups).
+/// The kinds of numbers only; a sweep has a shape as well, a what-if names objects (world/groups).
 inline constexpr QuestionKind kPlainQuestions[] = {QuestionKind::ray, QuestionKind::sphere, QuestionKind::box,
                                                    QuestionKind::near};
 
-// A question is a row of so many doubles, in the order of question_columns() in idl/columns.hpp.
+// A question is a row of this many doubles, in the order of question_columns() in idl/columns.hpp.
 using wire_contract::kBoxNumbers;
 using wire_contract::kInsideNumbers;
 using wire_contract::kNearNumbers;
@@ -48,28 +48,28 @@ using wire_contract::numbers_of;
 struct Questions {
   QuestionKind kind = QuestionKind::ray;
   HitMode mode = HitMode::closest;
-  bool with_hits = true;  // false, of mode any: the verdict alone, no hits
+  bool with_hits = true;  // false, in mode any: the verdict alone, no hits
   std::uint32_t mask = 0xffffffff;
   std::uint32_t max_hits = 1000;
-  // Patterns of names: only those that match the first, and none that match the second; empty: no restriction.
+  // Name patterns: only objects that match the first, and none that match the second; empty: no restriction.
   std::string_view only = {};
   std::string_view skip = {};
   std::int64_t deadline_ns = 0;  // steady clock; 0: none
-  // Steady clock: soon after it the questions that are left get no answers, so that others have their turn; 0: none. The
-  // first question is always answered.
+  // Steady clock; 0: none. Soon after it the remaining questions get no answers, so that other requests have their
+  // turn. The first question is always answered.
   std::int64_t pause_ns = 0;
-  // Steady clock: a question that takes longer than until then gets no answer, nor do those after it; 0: none. For rays
-  // that are walked together it is not looked at: none of them takes long.
+  // Steady clock; 0: none. A question still open then gets no answer, nor do those after it. Ignored for rays walked
+  // together: none of them takes long.
   std::int64_t give_up_ns = 0;
-  const std::atomic<bool>* called_off = nullptr;  // once set by another thread, as if the deadline were over
-  // distances and depths may be off by this much, metres; yes and no are exact regardless
+  const std::atomic<bool>* called_off = nullptr;  // when another thread sets it, the deadline counts as over
+  // allowed error of distances and depths, metres; yes and no are exact regardless
   double error_m = 0;
-  Level highest = Level::rational;    // of the ladder of arithmetic; what that cannot decide is undecided
-  std::span<const double> numbers;    // rows as question_columns() in idl/columns.hpp has them
-  const ObjectInfo* mover = nullptr;  // of sweeps: the shape that moves, in its own frame
+  Level highest = Level::rational;    // highest level of arithmetic; what it cannot decide is undecided
+  std::span<const double> numbers;    // rows in the order of question_columns() in idl/columns.hpp
+  const ObjectInfo* mover = nullptr;  // for sweeps: the shape that moves, in its own frame
 };
 
-/// Whether the numbers of one question keep the rules of idl/question_rules.hpp.
+/// True if the numbers of one question satisfy the rules of idl/question_rules.hpp.
 bool is_question(QuestionKind kind, const double* numbers);
 
 /// One hit of an answer.
@@ -80,16 +80,16 @@ struct AnswerHit {
   // along the ray; depth for overlaps and inside; distance for near; 0 for sweeps, which have Answers::brackets
   double distance_m = 0;
   double error_m = 0;
-  // Of rays: where they leave the solid; of one that begins in a closed mesh, where it first meets the surface.
+  // For rays: where they leave the solid; if they begin in a closed mesh, where they first meet the surface.
   double exit_m = 0;
   Vec3 point = Vec3::Zero();
-  /// Of rays and near, metres: how far the point may be from the true one. A contact's point is one of many: infinite.
+  /// For rays and near, metres: how far the point may be from the true one. A contact's point is one of many: infinite.
   double point_error_m = std::numeric_limits<double>::infinity();
   Vec3 normal = Vec3::Zero();
-  // Of rays on a triangle: barycentric weights of the point.
+  // For rays on a triangle: barycentric weights of the point.
   Vec3 weights = Vec3::Zero();
 
-  /// Exactly 0: no other hit can be nearer.
+  /// True if exactly 0: no other hit can be nearer.
   bool is_at_start() const { return distance_m == 0 && error_m == 0; }
 };
 
@@ -97,7 +97,7 @@ struct AnswerHit {
 /// box, the first pose of a sweep).
 struct Leaving {
   Vec3 point = Vec3::Zero();
-  double covered_m = 0;  // of rays: the length that is surely covered, metres
+  double covered_m = 0;  // for rays: the length that is certainly covered, metres
 };
 
 /// The end of the covered space for one question of a batch.
@@ -106,7 +106,8 @@ struct NotCovered {
   Leaving leaving = {};
 };
 
-/// One answer per question, or of those before the pause, and all hits in question order. Reused between calls so that answering does not allocate.
+/// One answer per question up to the pause, and all hits in question order. Reused between calls so that answering does
+/// not allocate.
 struct Answers {
   std::vector<Verdict> answers;
   std::vector<UndecidedReason> reasons;
@@ -115,13 +116,13 @@ struct Answers {
   std::vector<std::uint32_t> nodes;
   std::vector<std::uint32_t> exact_tests;
   std::vector<AnswerHit> hits;
-  // Of sweeps, one for each hit, fractions of the motion: no contact up to `low`, contact by `high`. Else empty.
+  // For sweeps, one per hit, fractions of the motion: no contact up to `low`, contact by `high`. Else empty.
   std::vector<TimeBracket> brackets = {};
-  std::vector<NotCovered> not_covered = {};  // at most one for each answer with that reason, in order of the questions
-  // Oldest Snapshot::posed_ns among the objects that were hit, told or not; -1: only static ones.
+  std::vector<NotCovered> not_covered = {};  // at most one per answer with that reason, in question order
+  // Oldest Snapshot::posed_ns among the objects hit, reported or not; -1: only static ones.
   std::int64_t oldest_pose_ns = -1;
 
-  /// Without hits, and with room for one answer per question, which the caller writes.
+  /// Clears the hits, and makes room for one answer per question, which the caller writes.
   void reset(std::size_t count) {
     hits.clear();
     brackets.clear();
@@ -129,7 +130,7 @@ struct Answers {
     oldest_pose_ns = -1;
     if (exact_tests.size() != count) cut(count);
   }
-  /// Leaves out the answers from `count` on, none of which has been written.
+  /// Drops the answers from `count` on, none of which has been written.
   void cut(std::size_t count);
 };
 
@@ -137,15 +138,16 @@ struct Answers {
 struct QueryScratch {
   AnswerFilters filters;
   std::vector<AnswerHit> found;
-  std::vector<std::vector<AnswerHit>> found_by_ray;  // of rays that are walked together
-  std::vector<PlainRay> plain_rays;                  // all that are under way at once
-  std::vector<Bvh::RayTask> ray_tasks;               // theirs
+  std::vector<std::vector<AnswerHit>> found_by_ray;  // for rays walked together
+  std::vector<PlainRay> plain_rays;                  // all in progress at once
+  std::vector<Bvh::RayTask> ray_tasks;               // tasks of plain_rays
 
   const AnswerFilter& filter() const { return filters.current(); }
 };
 
-/// Answers questions on one snapshot. Malformed numbers (non-finite, zero direction, negative size) get `invalid`, each
-/// for itself. The same question on the same snapshot has the same answer to the bit, whatever else is in the batch.
+/// Answers questions on one snapshot. Each question with malformed numbers (non-finite, zero direction, negative size)
+/// gets `invalid`. The same question on the same snapshot has the same answer to the bit, whatever else is in the
+/// batch.
 /// threads  any; one scratch and one Answers per thread
 void answer(const Snapshot& snapshot, const Questions& questions, Answers& answers, QueryScratch& scratch);
 

@@ -15,7 +15,7 @@
 
 namespace collided::engine {
 
-/// One question being answered: what it may see, and what it has found so far. The kinds of questions (ray_question,
+/// One question being answered: its limits, and its findings so far. The kinds of questions (ray_question,
 /// overlap_question, near_question, inside_question, sweep_question) fill `found`, in order, and set the rest.
 struct Question {
   const Snapshot& snapshot;
@@ -23,13 +23,13 @@ struct Question {
   const std::vector<std::uint8_t>& allowed;      // by slot
   const std::vector<std::uint8_t>& open_scenes;  // by scene: every part of it may answer
   std::vector<AnswerHit>& found;                 // each kind clears it first
-  Deadline deadline = {};                        // each kind asks it at every test
-  std::optional<TimeBracket> bracket = {};       // of the hit of a sweep
+  Deadline deadline = {};                        // each kind checks it at every test
+  std::optional<TimeBracket> bracket = {};       // for the hit of a sweep
   WalkCost walk = {};
   Level level = Level::filter;
   std::uint32_t exact_tests = 0;
   bool undecided = false;
-  // More hits than max_hits.
+  // There were more hits than max_hits.
   bool truncated = false;
 
   /// Half of the requested error goes to distances that are not refined, half to candidates that are not tested: those
@@ -43,7 +43,7 @@ struct Question {
     object.bounds = snapshot.bounds(slot);
     return object;
   }
-  /// For tests of a bounded shape against it, which ask nothing of its bounds: these take as long to work out as the test.
+  /// For tests of a bounded shape that do not need its bounds, which take as long to compute as the test.
   Placed placed_without_bounds(std::uint32_t slot) const {
     return {.info = &object(slot),
             .frame = snapshot.frame(slot),
@@ -53,13 +53,13 @@ struct Question {
   std::uint8_t flags_of(ObjectId id) const {
     return snapshot.stale[slot_of(id)] != 0 ? std::uint8_t{kHitStale} : std::uint8_t{0};
   }
-  /// Order of what is equally near or deep: by name, then by triangle, so that it does not depend on what was loaded
+  /// Orders equally near or deep hits by name, then by triangle, so that the order does not depend on what was loaded
   /// first.
   bool precedes(const AnswerHit& a, const AnswerHit& b) const {
     if (a.object == b.object) return a.triangle < b.triangle;
     return object(slot_of(a.object)).name < object(slot_of(b.object)).name;
   }
-  /// Order of hits along a ray and of near objects.
+  /// Orders hits along a ray and near objects.
   bool nearer_first(const AnswerHit& a, const AnswerHit& b) const {
     return a.distance_m != b.distance_m ? a.distance_m < b.distance_m : precedes(a, b);
   }
@@ -70,12 +70,12 @@ struct Question {
   }
 };
 
-/// Each answers one question; numbers as Questions::numbers, already validated.
+/// Each function answers one question; numbers as Questions::numbers, already validated.
 void ask_ray(Question& question, const double* numbers);
-/// Answers the ray with what moves, where the scenes were walked already.
+/// Tests the ray against moving objects, after the scenes were walked.
 void ask_ray_of_movers(Question& question, const double* numbers, const PlainRay& after_scenes);
-/// Answers up to kRaysAtOnce rays (scene_walk.hpp), walking them through each static scene together; each answer is that
-/// of ask_ray.
+/// Answers up to kRaysAtOnce rays (scene_walk.hpp), walking them through each static scene together; each answer equals
+/// that of ask_ray().
 void ask_rays(std::span<std::optional<Question>> questions, std::span<const double* const> numbers);
 void ask_sphere(Question& question, const double* numbers);
 void ask_box(Question& question, const double* numbers);

@@ -24,12 +24,12 @@ void ask(Question& question, const double* numbers) {
   }
 }
 
-/// Decides when a batch makes room for others. Reads the clock about once in 10 us of work.
+/// Decides when a batch makes room for other requests. Reads the clock about once in 10 us of work.
 class Pause {
  public:
   explicit Pause(std::int64_t at_ns) : at_ns_(at_ns) {}
 
-  /// To be called after some questions, from `first` on, were answered.
+  /// Call after the questions from `first` on were answered.
   bool is_due(const Answers& answers, std::size_t first, std::size_t count) {
     if (at_ns_ == 0) return false;
     for (std::size_t i = first; i < first + count; ++i) work_ += kQuestion + answers.nodes[i] + answers.exact_tests[i];
@@ -78,9 +78,8 @@ std::size_t QuestionBatch::answer_all(std::size_t count) const {
 }
 
 /// Rays in unrelated directions through a tree larger than the caches mostly wait for memory: walked in turn, one uses
-/// the time that another waits. Rays like a camera's visit the same nodes, and gain by visiting them together where no
-/// candidate needs to be filtered; otherwise each profits from what the last one left in the cache, and is faster
-/// alone.
+/// the waiting time of another. Rays like a camera's visit the same nodes, and gain from visiting them together if no
+/// candidate needs to be filtered; otherwise each profits from the last one's cache content, and is faster alone.
 bool QuestionBatch::rays_gain_together(std::size_t count) const {
   constexpr std::size_t kFewestTogether = 16;
   constexpr std::uint64_t kCacheBytes = 4 << 20;
@@ -118,7 +117,7 @@ bool QuestionBatch::answer_in_general(std::size_t place) const {
   return answer_by(place, [&](Question& question) { ask(question, numbers); });
 }
 
-/// A question alone finds its hits where they are wanted.
+/// A single question writes its hits directly into the answers.
 template <class Ask>
 bool QuestionBatch::answer_by(std::size_t place, const Ask& ask_question) const {
   const SearchTime time{
@@ -149,7 +148,7 @@ bool QuestionBatch::answer_plain_ray(std::size_t place) const {
   return false;
 }
 
-/// After the walk through the scenes.
+/// Completes a plain ray after the walk through the scenes.
 bool QuestionBatch::finish_plain_ray(std::size_t place, PlainRay& ray) const {
   if (reaches_movers(snapshot_, allowed(), ray)) return answer_with_movers(place, ray);
   write_plain_ray(snapshot_, asked_, ray, place, answers_);

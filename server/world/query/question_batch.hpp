@@ -7,15 +7,15 @@
 
 namespace collided::engine {
 
-/// Answers the questions of one message one after the other, or rays in groups. The answers are the same either way.
+/// Answers the questions of one message one by one, or rays in groups. The answers are the same either way.
 /// threads  one; the scratch holds the filter of these questions, and memory
 class QuestionBatch {
  public:
   QuestionBatch(const Snapshot& snapshot, const Questions& asked, QueryScratch& scratch, Answers& answers);
 
-  /// returns  how many were answered before the pause, or before one was given up
+  /// returns  the number answered before the pause, or before one was given up
   std::size_t answer_all(std::size_t count) const;
-  /// Answers a plain ray that may meet something that moves.
+  /// Answers a plain ray that may meet a moving object.
   ///
   /// returns  false: it was given up, and has no answer
   bool answer_with_movers(std::size_t place, const PlainRay& ray) const;
@@ -25,7 +25,7 @@ class QuestionBatch {
   const std::vector<std::uint8_t>& allowed() const { return scratch_.filter().allowed.by_slot(); }
   bool rays_gain_together(std::size_t count) const;
 
-  // Each returns false where the question was given up, and has no answer.
+  // Each returns false if the question was given up, and has no answer.
   bool answer_one(std::size_t place) const;
   bool answer_in_general(std::size_t place) const;
   template <class Ask>

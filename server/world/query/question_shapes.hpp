@@ -29,7 +29,7 @@ class BoxQuestionShape {
   Box placed() const {
     return {.center = pose_.position, .axes = frame_.rotation, .half_m = std::get<Box>(own_).half_m};
   }
-  /// Refers to this.
+  /// The result refers to this object.
   GivenPart given() const { return {.own = &own_, .pose = &pose_, .frame = &frame_}; }
   Aabb bounds() const { return bounds_as_given(frame_, own_); }
 

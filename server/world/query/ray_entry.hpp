@@ -8,7 +8,7 @@
 
 namespace collided::engine {
 
-/// A lower bound on where along the ray the box begins, metres; infinite where the ray misses it. A ray that misses by a
+/// A lower bound on where along the ray the box begins, metres; infinite if the ray misses it. A ray that misses by a
 /// rounding counts as meeting the box.
 /// threads  pure
 inline double entry_of(const Ray& ray, const Aabb& box) {

@@ -12,7 +12,7 @@
 namespace collided::engine {
 namespace {
 
-/// The nearest of the surface's triangles along the whole line of the ray, however long it was asked to be.
+/// The nearest of the surface's triangles along the whole line of the ray, regardless of its length.
 RayHit first_on_surface(const Ray& ray, const IndexedMesh& surface, const Placed& object, Question& question) {
   const Frame& frame = object.frame;
   const double off_m = object.pose != nullptr ? placing_error_m(frame, surface.radius_m) : 0;

@@ -30,20 +30,20 @@ struct RayWalk {
   Question& question;
   Ray ray;
   double limit;             // in s; never below the best hit less half the allowed error; negative: the search is over
-  double best_error_m = 0;  // of the best hit before placing: placed parts are compared with each other
+  double best_error_m = 0;  // error of the best hit before placing: placed parts are compared with each other
   bool best_is_triangle = false;
-  bool is_length_known = true;  // else the limit does not bound the ray's length
-  Triangle best_triangle;       // where best_is_triangle
+  bool is_length_known = true;  // false: the limit does not bound the ray's length
+  Triangle best_triangle;       // set if best_is_triangle
 
   RayWalk(Question& of, const double* numbers);
 
   bool closest() const { return question.asked.mode == HitMode::closest; }
   bool over() const { return limit < 0; }
 
-  /// Tests one part of a scene, which stands in world coordinates.
+  /// Tests one part of a scene, in world coordinates.
   void test(const Triangle& part, ObjectId object, std::uint32_t triangle);
-  /// Tests one part of a posed object: off_m bounds how far it is from its exact pose, given() is what the user gave, and
-  /// placing_m() the same bound for the place that was hit.
+  /// Tests one part of a posed object: off_m bounds how far it is from its exact pose, given() is the part as given,
+  /// and placing_m() is the bound at the point of the hit.
   template <class Part, class GivenOf, class PlacingError>
   void test_placed(const Part& part, ObjectId object, std::uint32_t triangle, double off_m, const GivenOf& given,
                    const PlacingError& placing_m);
@@ -52,7 +52,7 @@ struct RayWalk {
   /// Takes a hit. False: a nearer one is known.
   bool keep(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners);
   AnswerHit answer_of(const RayHit& hit, ObjectId object, std::uint32_t triangle) const;
-  // A clipped split tells a triangle twice, and then it would tie with itself.
+  // A clipped split produces a triangle twice, which would tie with itself.
   bool is_best(ObjectId object, std::uint32_t triangle) const {
     const std::vector<AnswerHit>& found = question.found;
     return best_is_triangle && found.front().triangle == triangle && found.front().object == object;
@@ -60,7 +60,7 @@ struct RayWalk {
   // Adds the error of placing to the hit just kept.
   void widen(const RayHit& hit, double placing_m, const Triangle* corners);
   bool is_nearer(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) const;
-  // How a scene's tree may be walked: see Bvh::RayGoal.
+  // Constraints on the walk of a scene's tree; see Bvh::RayGoal.
   Bvh::RayGoal goal(std::size_t scene) const;
   /// A ray that begins in a solid has met it.
   void begin_in(const SolidMesh& solid, const Placed& object);
@@ -77,11 +77,12 @@ inline AnswerHit RayWalk::answer_of(const RayHit& hit, ObjectId object, std::uin
   return answer_hit(hit, object, triangle, question.flags_of(object));
 }
 
-/// Intervals that do not overlap decide; else two triangles are compared exactly; ties go to the lower object, then
+/// Decided by intervals that do not overlap; else two triangles are compared exactly; ties go to the lower object, then
 /// triangle.
 bool RayWalk::is_nearer(const RayHit& hit, ObjectId object, std::uint32_t triangle, const Triangle* corners) const {
   const AnswerHit& best = question.found.front();
-  // A ray that begins in a solid, and not on its surface, meets the surface later, though maybe by less than a rounding.
+  // A ray that begins inside a solid, not on its surface, meets the surface later, though maybe by less than a
+  // rounding.
   if ((best.flags & kHitInside) != 0 && best.object == object && question.object(slot_of(object)).rare->solid)
     return false;
   const int order = order_of(hit, best.distance_m, best_error_m);
@@ -115,7 +116,7 @@ inline bool RayWalk::keep(const RayHit& hit, ObjectId object, std::uint32_t tria
   return true;
 }
 
-/// It was tested already, or there is no time left.
+/// True if it was tested already, or there is no time left.
 template <class Part>
 bool RayWalk::is_skipped(const Part&, ObjectId object, std::uint32_t triangle) {
   if constexpr (std::is_same_v<Part, Triangle>) {
@@ -155,7 +156,7 @@ void RayWalk::widen(const RayHit& hit, double placing_m, const Triangle* corners
   kept.point_error_m += along_m;
 }
 
-/// Its part of the walk through the scenes.
+/// The ray's state in the walk through the scenes.
 struct QuestionWalker {
   RayWalk* of;
 
@@ -175,8 +176,8 @@ struct QuestionWalker {
   }
 };
 
-/// The walks that skip triangles on their own require that every triangle may answer, that the nearest hit is wanted to
-/// the last bit, and that whatever is certain in floats is certain in doubles.
+/// Walks that skip triangles on their own require that every triangle may answer, that the nearest hit is wanted to the
+/// last bit, and that certainty in floats implies certainty in doubles.
 Bvh::RayGoal RayWalk::goal(std::size_t scene) const {
   const Questions& asked = question.asked;
   const bool is_plain = question.open_scenes[scene] != 0 && asked.highest == Level::rational && is_length_known;
@@ -201,8 +202,8 @@ void RayWalk::begin_in_scenes() {
   });
 }
 
-/// The tree of primitives knows bounds alone, which only its box walk uses: the ray is walked in pieces, near to far,
-/// and candidates shared with the previous piece are skipped.
+/// The tree of primitives knows bounds only, which its box walk uses: the ray is walked in pieces, near to far, and
+/// candidates shared with the previous piece are skipped.
 template <class Test>
 void RayWalk::walk_parts(const IndexedParts& parts, std::size_t count, const Frame& frame, Test&& test_one) {
   constexpr int kPieces = 64;
@@ -211,7 +212,7 @@ void RayWalk::walk_parts(const IndexedParts& parts, std::size_t count, const Fra
   const Vec3 direction = frame.rotation.transpose() * ray.direction;
   const double reach_m = away.lpNorm<1>() + 2 * parts.radius_m;
   const double slack_m = 4 * placement_slack(frame, reach_m + ray.origin.lpNorm<1>(), parts.radius_m);
-  // The stretch on which the ray is within radius_m of the frame's origin: about its nearest point.
+  // The section on which the ray is within radius_m of the frame's origin, around its nearest point.
   const double middle = -origin.dot(direction) / direction.squaredNorm();
   const double half = (parts.radius_m + slack_m) / direction.stableNorm() * (1 + kSearchMargin);
   const double first = std::max(0.0, middle - half - kSearchMargin * std::abs(middle));
@@ -254,7 +255,7 @@ void RayWalk::walk_object(std::uint32_t slot) {
     const Primitive& any = info.primitives[number];
     const double away_m = (ray.origin - frame.position).lpNorm<1>();
     const auto placing_m = [&] { return placing_error_m(frame, any, away_m + question.found.back().distance_m); };
-    // A shape that was given without a pose is exact where it is placed.
+    // A shape given without a pose is exact as placed.
     const double off_m = object.pose != nullptr ? placing_error_m(frame, any, away_m) : 0;
     const auto given = [&] { return object.given(any); };
     std::visit([&](const auto& own) { test_placed(place(frame, own), info.id, kNoTriangle, off_m, given, placing_m); },
@@ -278,7 +279,7 @@ void RayWalk::walk_object(std::uint32_t slot) {
   });
 }
 
-/// Orders several hits, drops duplicates (a split that clips triangles may offer one twice), and cuts at max_hits.
+/// Orders several hits, drops duplicates (a split that clips triangles may produce one twice), and cuts at max_hits.
 void finish_all(Question& question) {
   std::vector<AnswerHit>& found = question.found;
   std::sort(found.begin(), found.end(),
@@ -309,7 +310,7 @@ void RayWalk::walk_movers() {
   question.snapshot.grid->walk_ray(ray, limit, candidate, question.walk);
 }
 
-/// Takes what a plain ray found in the scenes.
+/// Takes over a plain ray's findings in the scenes.
 void RayWalk::resume(const PlainRay& after_scenes) {
   question.walk = after_scenes.walk;
   question.level = after_scenes.level;

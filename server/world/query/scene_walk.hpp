@@ -10,35 +10,35 @@
 namespace collided::engine {
 
 // The walk of rays through static scenes, one by one or together: of plain rays (plain_rays.cpp) and of all others
-// (ray_question.cpp), which differ in what they ask of a triangle and in where they keep what they met.
+// (ray_question.cpp). These differ in their triangle tests and in where they keep hits.
 
-/// What of a ray on its way the walk needs. Copied: it refers to the ray's memory.
+/// The walk's view of a ray in progress. Copied: it refers to the ray's memory.
 template <class Walker>
 concept RayWalker = requires(const Walker& walker, const StaticScene& scene, const Triangle& corners) {
   { walker.ray() } -> std::same_as<const Ray&>;
   { walker.limit() } -> std::same_as<double>;  // in lengths of the direction; negative: the search is over
   { walker.cost() } -> std::same_as<WalkCost&>;
   { walker.goal(std::size_t{}) } -> std::same_as<Bvh::RayGoal>;               // in the scene of that index
-  { walker.offer(scene, std::uint32_t{}, corners) } -> std::same_as<double>;  // tests a triangle; returns the limit
-  { walker.wants_hits() } -> std::same_as<bool>;  // else what is surely met goes to take(), untested
+  { walker.offer(scene, std::uint32_t{}, corners) } -> std::same_as<double>;  // tests a triangle; returns the new limit
+  { walker.wants_hits() } -> std::same_as<bool>;  // false: a certain hit goes to take(), untested
   walker.take(scene, std::uint32_t{});
 };
 
-/// Rays that are walked together at most.
+/// Most rays that are walked together.
 inline constexpr std::size_t kRaysAtOnce = 64;
 
 /// Takes the candidates of one ray's walk through one scene.
 template <RayWalker Walker>
 struct SceneCandidate {
-  // Without values of their own: a group's would be written twice.
+  // Without default values: a group's members would be written twice.
   Walker of;
   const StaticScene* scene;
 
   double operator()(std::uint32_t triangle, const Triangle& corners, double) const {
     return of.offer(*scene, triangle, corners);
   }
-  /// Takes the triangle at which a walk for any hit ended, unless it was offered as a candidate already. It is surely met,
-  /// so that only the members of the hit remain to be computed.
+  /// Takes the triangle at which a walk in mode `any` ended, unless it was a candidate before. It is certainly hit, so
+  /// only the members of the hit remain to be computed.
   void meet(std::uint32_t triangle, const Triangle& corners) const {
     if (triangle == Bvh::kNoTriangle || of.limit() < 0) return;
     if (of.wants_hits()) of.offer(*scene, triangle, corners);
@@ -73,9 +73,9 @@ inline void walk_scenes(const Walker& walker, const SceneList& scenes) {
   });
 }
 
-/// Walks rays through one scene together, but for those with another goal than the first.
+/// Walks rays through one scene together, except those with another goal than the first.
 ///
-/// tasks  memory for one a ray
+/// tasks  memory, one per ray
 template <RayWalker Walker>
 void walk_scene_together(std::span<const Walker> walkers, const SceneList& scenes, std::size_t index,
                          std::span<Bvh::RayTask> tasks) {
@@ -104,7 +104,7 @@ void walk_scene_together(std::span<const Walker> walkers, const SceneList& scene
 }
 
 /// walkers  up to kRaysAtOnce
-/// tasks    memory for one a ray
+/// tasks    memory, one per ray
 template <RayWalker Walker>
 void walk_scenes_together(std::span<const Walker> walkers, const SceneList& scenes, std::span<Bvh::RayTask> tasks) {
   if (walkers.empty()) return;

@@ -31,7 +31,7 @@ std::optional<NearestSurface> surface_from_inside(const SolidMesh& solid, const 
       nearest_surface(solid, object, point, question.deadline, question.walk, question.exact_tests);
   if (!nearest) return std::nullopt;
   nearest->error_m = with_underflow(nearest->distance_m, nearest->error_m);
-  // Where the mesh is more than the border, a point on it may still be deep inside.
+  // If the mesh is more than the border, a point on it may still be deep inside.
   if (side == SolidSide::on) nearest->distance_m = 0;
   if (side == SolidSide::on && solid.is_border) nearest->error_m = 0;
   return nearest;

@@ -6,24 +6,24 @@
 
 namespace collided::engine {
 
-/// The nearest point of a solid's surface, of a point that is in the solid or on it; nothing where it is outside, or the
+/// The nearest point of a solid's surface to a point in the solid or on it; nothing if the point is outside, or the
 /// question's deadline ends the search.
 std::optional<NearestSurface> surface_from_inside(const SolidMesh& solid, const Placed& object, const Vec3& point,
                                                   Question& question);
 
-/// Where the point is, counted as a test of the question.
+/// The point's side, counted as a test of the question.
 SolidSide side_in_question(const SolidMesh& solid, const Placed& object, const Vec3& point, Question& question);
 
-/// Makes a contact of a ball or box with the surface of a solid one with the solid: where its middle is inside, it meets
-/// the solid even if it does not reach the surface. A ball's depth is then that of its centre and its radius together;
-/// a box keeps the contact with the surface or, where there is none, has the least way out.
+/// Turns a ball's or box's contact with the surface of a solid into one with the solid: if its centre is inside, it
+/// meets the solid even if it does not reach the surface. A ball's depth is then the centre's depth plus the radius; a
+/// box keeps the contact with the surface or, without one, gets the shortest way out.
 void meet_solid(const Sphere& asked, const SolidMesh& solid, const Placed& object, ContactSearch& touch,
                 Question& question);
 void meet_solid(const Box& asked, const SolidMesh& solid, const Placed& object, ContactSearch& touch,
                 Question& question);
 
-/// The nearest point of a mesh's surface, of a point that is in it by its winding number; nothing where that is outside, or
-/// not decided, which the question then says.
+/// The nearest point of a mesh's surface to a point that is inside by winding number. Nothing if the point is outside,
+/// or if that is undecided, which the question then records.
 std::optional<NearestSurface> surface_from_inside(const WindingMesh& mesh, const Placed& object, const Vec3& point,
                                                   Question& question);
 
@@ -42,13 +42,13 @@ template <class Visit>
 void visit_solid_parts(const StaticScene& scene, const Aabb& near, Question& question, Visit&& visit) {
   visit_parts_about(scene.solid_parts, scene, near, question, visit);
 }
-/// The same for parts that are solid by winding number.
+/// Calls visit() for parts that are solid by winding number.
 template <class Visit>
 void visit_winding_parts(const StaticScene& scene, const Aabb& near, Question& question, Visit&& visit) {
   visit_parts_about(scene.winding_parts, scene, near, question, visit);
 }
 
-/// Deepest first, ties by name; cut at max_hits.
+/// Sorts deepest first, ties by name; cuts at max_hits.
 void finish_overlap(Question& question);
 
 }  // namespace collided::engine

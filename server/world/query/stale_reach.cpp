@@ -15,7 +15,7 @@ namespace {
 
 constexpr double kUnlimited = std::numeric_limits<double>::infinity();
 
-/// The region in which the object may be by now, roundings included.
+/// The region in which the object may be by now, including rounding.
 Aabb region_of(const StaleObject& object, std::int64_t world_time_ns) {
   const std::int64_t age_ns = std::max<std::int64_t>(0, world_time_ns - object.posed_ns) + kAgeSlackNs;
   const double travel_m = object.speed_mps * static_cast<double>(age_ns) * wire_contract::kNanosecond_s;
@@ -37,12 +37,12 @@ Aabb motion_of(const ObjectInfo& mover, const double* n) {
   return grown(motion, reach_of(mover) * (1 + kBoundSlack));
 }
 
-/// The distance of the last hit of a full answer; infinite where the answer had room for more.
+/// The distance of the last hit of a full answer; infinite if the answer had room for more.
 double answered_up_to(const Questions& asked, std::span<const AnswerHit> hits) {
   return hits.size() < asked.max_hits ? kUnlimited : hits.back().distance_m + hits.back().error_m;
 }
 
-/// Whether an object somewhere within the region could change this answer.
+/// True if an object somewhere within the region could change this answer.
 bool could_change(const Questions& asked, const double* n, std::span<const AnswerHit> hits, const Aabb& region) {
   switch (asked.kind) {
     case QuestionKind::ray: {

@@ -1,4 +1,4 @@
-// The first contact of a shape that a client moves from pose to pose, against everything at rest.
+// The first contact of a shape that a client moves from pose to pose, with everything at rest.
 
 #include "server/world/objects/sweep.hpp"
 #include "server/world/query/question.hpp"
@@ -19,7 +19,7 @@ Pose pose_at(const double* n) { return {.position = point_of(n), .rotation = Qua
 struct First {
   AnswerHit hit;
   bool any = false;
-  TimeBracket bracket = {.low = 1, .high = 1};  // no contact up to `low` with any of them; `high` is the hit's
+  TimeBracket bracket = {.low = 1, .high = 1};  // no contact up to `low` with any of them; `high` is that of the hit
 
   void take(ObjectId object, std::uint32_t triangle, const SweptContact& touch, std::uint8_t flags) {
     const TimeBracket& found = touch.bracket;
@@ -38,7 +38,7 @@ struct First {
 
 SweepOptions options_of(Question& question) { return {.width = kAskedWidth, .deadline = &question.deadline}; }
 
-/// Sweeps against all of a scene that may answer at once: the first contact is the scene's.
+/// Sweeps against everything in a scene that may answer: the first contact is the scene's.
 void meet_scene(Question& question, const SweptBody& body, const StaticScene& scene, First& first) {
   SweptContact touch;
   const auto touch_of = [&](std::uint32_t triangle) {
@@ -53,11 +53,11 @@ void meet_scene(Question& question, const SweptBody& body, const StaticScene& sc
   first.take(object, touch.b_triangle - scene.parts[part].first_triangle, touch, question.flags_of(object));
 }
 
-/// What moves, where it begins.
+/// The moving shape at its start.
 struct SweepStart {
   Pose pose;
   Placed placed;
-  std::vector<Vec3> points;  // of its pieces; found when they are first needed
+  std::vector<Vec3> points;  // points of its pieces, computed on first use
 
   SweepStart(const ObjectInfo& mover, const double* n) : pose(pose_at(n)) {
     const Frame frame = frame_of(pose);
@@ -67,7 +67,7 @@ struct SweepStart {
   SweepStart& operator=(const SweepStart&) = delete;
 };
 
-/// What begins in a solid has met it, though it may meet its surface later or never.
+/// A shape that begins inside a solid has a contact at once, though it may meet its surface later or never.
 void begin_in(Question& question, const SolidMesh& solid, const Placed& outer, SweepStart& start, First& first) {
   const bool is_met_at_start = first.any && first.bracket.high == 0;
   if (is_met_at_start || !overlaps(outer.bounds, start.placed.bounds) || question.deadline.is_over()) return;

@@ -15,11 +15,11 @@
 namespace collided::engine {
 namespace {
 
-/// Nothing is nearer than this, whatever the bound of the hit allows.
+/// Nothing is nearer than this, even at the full error of the hit.
 double least_distance(const AnswerHit& hit) { return std::max(0.0, hit.distance_m - hit.error_m); }
 
-/// One question asked of the unknown objects alone. The question itself is answered by now, so that it is no longer given up
-/// for others: a search that ends early would leave it undecided.
+/// One question put to the unknown objects alone. The question itself is answered, so it can no longer be given up for
+/// other requests: ending early would leave it undecided.
 class UnknownQuestion {
  public:
   UnknownQuestion(Question& of, UnknownSpace& unknown) : of_(of), unknown_(unknown), asked_(of.asked) {}
@@ -37,7 +37,7 @@ class UnknownQuestion {
     return Leaving{.point = met.found.front().point, .covered_m = least_distance(met.found.front())};
   }
 
-  /// Of spheres, boxes and points, whose hits say yes whatever else there is.
+  /// For spheres, boxes and points: any hit means yes.
   template <class Ask>
   std::optional<Leaving> region(const Ask& ask_kind, const double* n) {
     if (!of_.found.empty()) return std::nullopt;
@@ -82,7 +82,7 @@ class UnknownQuestion {
     return question;
   }
 
-  /// Without a hit it is known to be apart, unless a test was not decided or the time was over.
+  /// Without a hit it is apart, unless a test was undecided or time was over.
   static std::optional<Leaving> left_open(const Question& met, const Vec3& from) {
     if (!met.undecided && !met.deadline.was_over()) return std::nullopt;
     return Leaving{.point = from, .covered_m = 0};
@@ -101,7 +101,7 @@ class UnknownQuestion {
   Questions asked_;
 };
 
-/// A box about the bounds; slightly larger, to cover the roundings.
+/// A box around the bounds, slightly larger to cover rounding.
 Box box_about(const Aabb& bounds) {
   const Vec3 middle = bounds.low / 2 + bounds.high / 2;
   const Vec3 half = (bounds.high - middle).cwiseMax(middle - bounds.low);

@@ -26,7 +26,7 @@ void add_allowed_pair(const ObjectInfo& a, const ObjectInfo& b, std::vector<std:
           : fmt::format("scene '{}' allows them to touch, by its SRDF file", a.rare->scene));
 }
 
-/// The last rule that fits a pair decides.
+/// The last matching rule decides.
 void add_rule(const PairRules& rules, const ObjectInfo& a, const ObjectInfo& b, std::vector<std::string>& why) {
   const RuleFit fit_a = rules.fit_of(a.name);
   const RuleFit fit_b = rules.fit_of(b.name);

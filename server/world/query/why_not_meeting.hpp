@@ -7,7 +7,7 @@
 
 namespace collided::engine {
 
-/// Why no contact of the two is ever told although they might touch, a sentence each; none: it would be told.
+/// The reasons why no contact of the two is ever reported even if they touch, a sentence each; empty if it would be.
 /// threads  any
 std::vector<std::string> why_not_meeting(const Snapshot& snapshot, ObjectId a, ObjectId b);
 

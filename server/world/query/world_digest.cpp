@@ -7,7 +7,7 @@
 namespace collided::engine {
 namespace {
 
-/// A prime, so that a sum that differs by one object's hash can be divided by it.
+/// A prime, so that a difference of sums can be divided by one object's hash.
 constexpr std::uint64_t kPrime = (std::uint64_t{1} << 61) - 1;
 
 __extension__ using Wide = unsigned __int128;
@@ -34,11 +34,11 @@ std::uint64_t mix(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-/// The same on every machine, as std::hash is not.
+/// The same on every machine, unlike std::hash.
 class DigestHash {
  public:
   void add(std::uint64_t number) { state_ = mix(state_ ^ number); }
-  /// -0 is 0: which of the two a pose has depends on how it was worked out.
+  /// -0 counts as 0: which of the two a pose has depends on how it was computed.
   void add(double number) { add(std::bit_cast<std::uint64_t>(number + 0.0)); }
   void add(std::string_view text) {
     add(std::uint64_t{text.size()});
@@ -61,7 +61,7 @@ std::size_t group_of(const ObjectInfo& info, std::uint64_t key) {
   return info.publisher != 0 ? key % kPublished : kPublished + key % WorldDigest::kUnpublishedGroups;
 }
 
-/// Never 0 modulo the prime, so that one object more or less shows.
+/// Never 0 modulo the prime, so that an added or missing object changes the sum.
 std::uint64_t hash_of(const ObjectInfo& info, const Frame& frame) {
   DigestHash hash;
   hash.add(info.name);
@@ -101,7 +101,7 @@ WorldDigest digest_of(const Snapshot& state) {
   return digest;
 }
 
-// Where the hash of one object alone differs, by d, the sums differ by d and d * key.
+// If the hash of one object alone differs, by d, the sums differ by d and d * key.
 std::string first_difference(const Snapshot& state, const WorldDigest& here, const WorldDigest& there) {
   for (std::size_t group = 0; group < WorldDigest::kGroups; ++group) {
     const std::uint64_t by = difference(here.sums[2 * group], there.sums[2 * group]);
