@@ -27,11 +27,11 @@ void Candidates::decide_scenes() {
       if (!goes_on) return;
     }
   }
-  // Whether pairs are looked at depends on what was found.
+  // Whether further pairs are examined depends on what was found.
   if (is_shared_) shared_->settle();
 }
 
-/// False: there is no room for what it may find.
+/// False: there is no room for its findings.
 bool Candidates::decide_scene(std::uint32_t mover, std::size_t scene) {
   if (!decisions_.has_room()) {
     cost_.truncated = true;
@@ -97,11 +97,11 @@ Candidates::QueryMovers Candidates::find_query_movers() const {
   return query_movers;
 }
 
-/// Offers the pairs of one mover; a pair of two query movers is left to the lower slot. False: there is no room for
+/// Passes on the pairs of one mover; a pair of two query movers is left to the lower slot. False: there is no room for
 /// more.
 bool Candidates::look_around(const Grid& grid, std::uint32_t mover, bool all_look) {
   const auto found = [&](std::uint32_t other) {
-    // Asked first is what is near in memory: of most others the description is not read yet.
+    // Tests first what is near in memory: the descriptions of most others are not read yet.
     const bool looks_too =
         (all_look || rows_.has_moved(other) || step_.motion.is_open(other)) && rows_.info(other)->moving;
     return other == mover || (looks_too && other < mover) || wait_for(mover, other);
@@ -113,7 +113,7 @@ bool Candidates::look_around(const Grid& grid, std::uint32_t mover, bool all_loo
   return !cost_.truncated;
 }
 
-/// Offers what the parts of a long way meet, each once.
+/// Passes on what the parts of a long path meet, each once.
 void Candidates::look_along(const Grid& grid, const StraightWay& way, std::uint32_t parts, Grid::BoxFound found) {
   bool goes_on = true;
   for (std::uint32_t part = 0; goes_on && part < parts; ++part) {
@@ -142,10 +142,10 @@ bool Candidates::wait_for(std::uint32_t first, std::uint32_t second) {
   return waiting_.count < Waiting::kSize || consider_waiting();
 }
 
-/// Offers the queued pairs; false as in wait_for().
+/// Passes on the queued pairs; false as in wait_for().
 bool Candidates::consider_waiting() {
   const std::size_t count = std::exchange(waiting_.count, 0);
-  // Balls are mostly decided by what is prefetched already; of all else a decision reads rows, descriptions and contacts.
+  // Balls are mostly decided by prefetched data; for all others a decision reads rows, descriptions and contacts.
   const auto are_balls_of = [&](std::size_t i) { return are_balls(waiting_.pairs[i].first, waiting_.pairs[i].second); };
   for (std::size_t i = 0; i < count; ++i) {
     if (!are_balls_of(i)) decisions_.prefetch_pair(waiting_.pairs[i].first, waiting_.pairs[i].second);

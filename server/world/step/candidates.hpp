@@ -11,28 +11,27 @@
 
 namespace collided::engine {
 
-/// The candidates of one step: offers each pair whose motions may meet by their bounds to the decisions, once.
+/// The candidates of one step: passes each pair whose motions' bounds may meet to the decisions, once.
 class Candidates {
  public:
-  /// shared  takes what comes once there is much to decide; null: all is decided here
+  /// shared  takes candidates once there is much to decide; null: all are decided here
   Candidates(const StepView& step, Decisions& decisions, StepCost& cost, SharedDecisions* shared = nullptr)
       : step_(step), rows_(step.rows), decisions_(decisions), cost_(cost), shared_(shared) {}
 
-  /// Offers movers and static scenes.
+  /// Passes on movers and static scenes.
   void decide_scenes();
-  /// Offers pairs of objects; the grid must be built over the motions' bounds.
+  /// Passes on pairs of objects; the grid must be built over the motions' bounds.
   void decide_pairs(const Grid& grid);
-  /// Decides a block's items, in their order. False: there is no room for more.
+  /// Decides a block's items in their order. False: there is no room for more.
   bool decide(std::span<const StepItem> items);
 
  private:
-  /// Movers such that every pair to be tested contains one of them: those that moved, or all of them where something
-  /// was placed that does not move.
+  /// Movers such that every pair to test contains one of them: those that moved, or all if a static object was placed.
   struct QueryMovers {
     std::vector<std::uint32_t> slots;
     bool all = false;
   };
-  /// Candidates whose data is being prefetched: objects that are neighbours in space are far apart in memory.
+  /// Candidates whose data is being prefetched: neighbours in space are far apart in memory.
   struct Waiting {
     static constexpr std::size_t kSize = 32;
     std::array<std::pair<std::uint32_t, std::uint32_t>, kSize> pairs;
@@ -40,7 +39,7 @@ class Candidates {
   };
 
   QueryMovers find_query_movers() const;
-  /// Deciding a mover in a scene, or a pair of such objects, takes about as long as so many pairs of balls.
+  /// Deciding a mover against a scene, or a pair of other shapes, takes about as long as this many pairs of balls.
   static constexpr std::size_t kShapeWeight = 4;
   static constexpr std::size_t kSceneWeight = 16;
   static constexpr std::size_t kMeshWeight = 32;
@@ -62,7 +61,7 @@ class Candidates {
   StepCost& cost_;
   SharedDecisions* const shared_;
   bool is_shared_ = false;
-  std::size_t decided_ = 0;  // pairs, by their weights
+  std::size_t decided_ = 0;  // weighted number of pairs
   WalkCost walk_;
   Waiting waiting_;
 };

@@ -19,7 +19,7 @@ void end_removed(std::vector<std::pair<ObjectId, EndReason>>& removed, ContactLe
   removed.clear();
 }
 
-/// A lost object's contacts turn into doubts; one found again is tested in this step, moved or not.
+/// Turns a lost object's contacts into doubts; an object found again is tested in this step, moved or not.
 void note_lost(World::State& s) {
   for (const auto& [id, is_lost] : s.lost) {
     if (is_lost) {
@@ -32,7 +32,7 @@ void note_lost(World::State& s) {
   s.lost.clear();
 }
 
-/// The grid holds each mover's whole motion since its last pose, so that pairs that met on the way are candidates.
+/// Puts each mover's whole motion since its last pose into the grid, so that pairs that met on the way are candidates.
 /// While nothing moves, the last snapshot's grid is shared; while little does, most of it.
 void index_motion(StepMotion& motion, const Snapshot& current, bool has_open, std::shared_ptr<Grid>& grid) {
   if (!has_open && current.grid) {
@@ -57,7 +57,7 @@ bool World::step(std::int64_t world_time_ns, std::uint64_t batches, const StepOp
   s.settle_attachments();
   s.cost = {.moved = static_cast<std::uint32_t>(s.rows.moved().size())};
 
-  // Ingest: what came since the last step ends contacts and goes into the snapshot.
+  // Ingest: changes since the last step end contacts and go into the snapshot.
   s.ledger.begin_step(world_time_ns, step_options.persisted);
   if (s.fences) s.fences->begin_step(world_time_ns, {s.removed, s.lost});
   end_removed(s.removed, s.ledger);
@@ -110,7 +110,7 @@ void World::State::take_pair_rules() {
   if (!pair_rules) {
     ledger.set_allowed({});
   } else {
-    // Names are matched once for each object: the same few touch step by step.
+    // Names are matched once per object: the same few objects touch step after step.
     struct SlotFit {
       ObjectId id = 0;
       RuleFit fit;
@@ -130,8 +130,9 @@ void World::State::take_pair_rules() {
   rows.place_all_movers_again();
 }
 
-/// A shard may hold only those triangles of a part that come into its box and margin. That something has parted from the part
-/// it knows only of what lies there: what reaches beyond may touch it elsewhere, and another shard says when that ends.
+/// A shard may hold only the triangles of a part that reach into its box and margin. If an object separates from the
+/// part there, the shard does not know the rest: an object that reaches beyond the box may touch the part elsewhere,
+/// and another shard reports when that contact ends.
 void World::State::mark_unsure_ends() {
   const bool is_any_cut_off = std::ranges::any_of(scenes, [](const auto& scene) { return scene->is_cut_off; });
   if (!options.held || !is_any_cut_off) return;

@@ -14,7 +14,7 @@
 namespace collided::engine {
 namespace {
 
-/// Width of brackets: reported times are whole nanoseconds. A contact that is much shorter comes out undecided.
+/// Width of brackets: reported times are whole nanoseconds. Much shorter contacts come out undecided.
 constexpr double kSweepWidth_s = 1e-9;
 
 bool rests(const BodyMotion& path) { return path.turn_rad == 0 && path.from.position == path.to.position; }
@@ -49,7 +49,7 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
   const bool are_balls = rows_[first].is_lone_sphere() && rows_[second].is_lone_sphere();
   bool is_open = ledger_.is_open(rows_.info(first)->id, rows_.info(second)->id);
   for (const std::int64_t to_ns : lists_.cuts) {
-    // Two spheres: their centres alone rule out most pieces of most candidates.
+    // For two spheres, their centres alone rule out most pieces of most candidates.
     if (is_open || !are_balls || !balls_stay_apart(first, second, from_ns, to_ns)) {
       is_open = decide_piece({.a = first,
                               .b = second,
@@ -66,8 +66,8 @@ void Decisions::decide_on_common_time(std::uint32_t first, std::uint32_t second)
   }
 }
 
-/// A contact that holds continues, ends, or is in doubt, which does not end it; otherwise one begins within the piece
-/// or does not. True: the pair holds or is in doubt.
+/// An open contact continues, ends, or is in doubt, which does not end it; without one, a contact begins within the
+/// piece or does not. True: the pair is in contact or in doubt.
 bool Decisions::decide_piece(const PairPiece& piece) {
   const ObjectId a = rows_.info(piece.a)->id;
   const ObjectId b = rows_.info(piece.b)->id;
@@ -124,13 +124,13 @@ void Decisions::doubt_piece(const PairPiece& piece, const ContactSearch& touch, 
   }
 }
 
-/// A contact begins within the piece; if it is apart at the end, it also ends there.
+/// A contact begins within the piece; if the pair is apart at the end, it also ends there.
 void Decisions::begin_in_motion(const PairPiece& piece, const ContactSearch& touch, const SweptContact& sweep,
                                 Contained contained) {
   ++cost_.contacts;
   const PieceBracket first = in_seconds(piece, sweep.yes ? sweep.bracket : TimeBracket{0, 1}, sweep.contact);
   if (touch.yes || touch.undecided) {
-    // Once touching, a pair holds until it is known to be apart.
+    // Once touching, a pair stays in contact until it is known to be apart.
     FoundContact found = touch.yes
                              ? found_at(piece, touch.a_triangle, touch.b_triangle, touch.contact, 1)
                              : found_at(piece, sweep.a_triangle, sweep.b_triangle, sweep.contact, sweep.bracket.high);
@@ -154,7 +154,7 @@ void Decisions::begin_in_motion(const PairPiece& piece, const ContactSearch& tou
   ledger_.touched_and_parted(found);
 }
 
-/// When the pair parted: the piece's last contact is the first one of the reversed motion.
+/// When the pair separated: the piece's last contact is the first one of the reversed motion.
 ContactEnd Decisions::parting(const PairPiece& piece) {
   const SweptContact back = sweep_piece(piece.reversed(), !piece.is_of_step);
   const TimeBracket bracket = back.yes ? TimeBracket{1 - back.bracket.high, 1 - back.bracket.low} : TimeBracket{0, 1};
@@ -183,7 +183,7 @@ std::int64_t Decisions::clock_error_ns(std::uint32_t a, std::uint32_t b) const {
   return rows_.source(a) == rows_.source(b) ? 0 : step_.options.clock_error_ns;
 }
 
-/// A contact that held when the known time ended, and does not hold where it continues, parted in between.
+/// Ends a contact that was open when the known time ended and is not where known time continues.
 void Decisions::begin_window(std::uint32_t first, std::uint32_t second, const PairWindow& window) {
   const ContactEnd parted{.reason = EndReason::separated,
                           .bracket_low_s = seconds_ago(window.decided_ns),
@@ -191,7 +191,7 @@ void Decisions::begin_window(std::uint32_t first, std::uint32_t second, const Pa
   decide_instant(first, second, window.from_ns, parted);
 }
 
-/// Decides at the newest instant known of both, even if neither moved since the last decision.
+/// Decides the pair at the newest instant known of both, even if neither moved since the last decision.
 void Decisions::decide_where_known(std::uint32_t first, std::uint32_t second) {
   if (rows_.info(second)->id < rows_.info(first)->id) std::swap(first, second);
   const std::int64_t time_ns = window_of(step_, first, second).to_ns;
@@ -199,8 +199,8 @@ void Decisions::decide_where_known(std::uint32_t first, std::uint32_t second) {
   decide_instant(first, second, time_ns, {EndReason::separated, at_s, at_s});
 }
 
-/// Decides whether the two touch at one instant. parted: how a contact ends that held until then. True: the pair holds
-/// or is in doubt.
+/// Decides whether the two touch at one instant. parted: how a contact ends that was open until then. True: the pair is
+/// in contact or in doubt.
 bool Decisions::decide_instant(std::uint32_t a, std::uint32_t b, std::int64_t time_ns, const ContactEnd& parted) {
   const MotionHistory& history = step_.motion.history();
   const PairPiece instant{.a = a,
@@ -237,7 +237,7 @@ ContactSearch Decisions::touch_at_end(const PairPiece& piece, WithinSolid& withi
   return touch_at(piece, piece.a_motion.to, piece.b_motion.to, &within);
 }
 
-/// Tests the two objects at two frames: their surfaces, and unless `within` is null also what lies within a solid.
+/// Tests the two objects at two frames: their surfaces, and unless `within` is null also containment in a solid.
 ContactSearch Decisions::touch_at(const PairPiece& piece, const Frame& frame_a, const Frame& frame_b,
                                   WithinSolid* within) {
   if (piece.scene != nullptr)
@@ -266,8 +266,8 @@ ContactSearch Decisions::touch_at(const PairPiece& piece, const Frame& frame_a, 
   return touch;
 }
 
-/// The first contact within a piece. A sphere against an object that does not rotate is swept exactly along its motion
-/// relative to the other; all else by the general sweep.
+/// The first contact within a piece. A sphere against an object that does not rotate is swept exactly along its
+/// relative motion; all else by the general sweep.
 ///
 /// with_contact  computes the contact, not only its time
 SweptContact Decisions::sweep_piece(const PairPiece& piece, bool with_contact) {
@@ -300,7 +300,7 @@ double Decisions::bracket_width(const PairPiece& piece) const {
   return std::clamp(width_s / length_s, kNarrowestBracket, kWidestBracket);
 }
 
-/// The exact sweep of one object's sphere against the other; nothing where that object is no lone sphere.
+/// The exact sweep of one object's sphere against the other; nothing if that object is not a lone sphere.
 std::optional<SweptContact> Decisions::sweep_sphere_piece(const PairPiece& piece, bool a_is_sphere, bool with_contact) {
   const std::uint32_t other = a_is_sphere ? piece.b : piece.a;
   const BodyMotion& path = a_is_sphere ? piece.a_motion : piece.b_motion;
@@ -319,14 +319,14 @@ std::optional<SweptContact> Decisions::sweep_sphere_piece(const PairPiece& piece
   return sweep.found;
 }
 
-/// Two lone spheres certainly do not meet, wherever on its newest way each of them is at any time that is not decided yet.
+/// True if two lone spheres certainly do not meet, wherever each is on its newest path at any undecided time.
 bool Decisions::ways_stay_apart(std::uint32_t a, std::uint32_t b) const {
   const BallMotion& way = motion_.ball(a);
   const BallMotion& other = motion_.ball(b);
   if (way.radius_m < 0 || other.radius_m < 0) return false;
   const MotionHistory& history = step_.motion.history();
   if (!history.is_on_one_way(a) || !history.is_on_one_way(b)) return false;
-  // Twice the distance of the middles, and twice how far the balls reach from there.
+  // Twice the distance of the midpoints, and twice how far the balls reach from there.
   const Vec3 between = (way.start + way.end) - (other.start + other.end);
   const double reach_m =
       (way.end - way.start).norm() + (other.end - other.start).norm() + 2 * way.radius_m + 2 * other.radius_m;
@@ -335,7 +335,7 @@ bool Decisions::ways_stay_apart(std::uint32_t a, std::uint32_t b) const {
   return between.norm() > reach_m * (1 + kRoundings) + kRoundings * size_m;
 }
 
-/// Two lone spheres certainly do not meet in this time, judged from their centres alone.
+/// True if two lone spheres certainly do not meet in this time, judged by their centres alone.
 bool Decisions::balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t from_ns, std::int64_t to_ns) const {
   const MotionHistory& history = step_.motion.history();
   const Sphere ball = *rows_.lone_sphere(a);
@@ -347,7 +347,7 @@ bool Decisions::balls_stay_apart(std::uint32_t a, std::uint32_t b, std::int64_t 
       {.center = others.to, .radius_m = other.radius_m});
 }
 
-/// The two motions are separated by a plane, or their bounds do not overlap.
+/// True if a plane separates the two motions, or their bounds do not overlap.
 bool Decisions::surely_stay_apart(const PairPiece& piece) const {
   const Box* a = lone_box(*rows_.info(piece.a));
   const Box* b = lone_box(*rows_.info(piece.b));
@@ -380,9 +380,9 @@ double Decisions::placing_error_on(const PairPiece& piece, std::uint32_t a_trian
   return std::max(at(piece.a_motion.from, piece.b_motion.from), at(piece.a_motion.to, piece.b_motion.to)) + motion_m;
 }
 
-/// The contact at a fraction of the piece, bracketed by the whole piece; callers who know a narrower bracket set it.
+/// The contact at a fraction of the piece, bracketed by the whole piece; callers with a narrower bracket set it.
 ///
-/// known_slack_s  how uncertain the time is; without: as long as the piece
+/// known_slack_s  uncertainty of the time; default: the length of the piece
 FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangle, std::uint32_t b_triangle,
                                  const Contact& contact, double time, std::optional<double> known_slack_s) {
   const std::int64_t time_ns = piece.from_ns + std::llround(time * static_cast<double>(piece.to_ns - piece.from_ns));
@@ -397,7 +397,7 @@ FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangl
   if (step_.step_options.contacts) {
     found.contact.depth_error_m +=
         piece.is_of_step ? placing_error_of(found) : placing_error_on(piece, a_triangle, b_triangle);
-    // Of a contact that goes on untold no event has the velocity.
+    // A contact that continues without an event needs no velocity.
     if (!step_.step_options.persisted && ledger_.holds(found.a, found.b)) return found;
     const double slack_s =
         known_slack_s.value_or(wire_contract::kNanosecond_s * static_cast<double>(piece.to_ns - piece.from_ns));
@@ -410,7 +410,7 @@ FoundContact Decisions::found_at(const PairPiece& piece, std::uint32_t a_triangl
   return found;
 }
 
-/// There is room for one more contact; else the search is marked as cut short.
+/// True if there is room for one more contact; else marks the search as cut short.
 bool Decisions::may_begin() {
   cost_.truncated = cost_.truncated || ledger_.is_full(step_.options.max_contacts);
   return !cost_.truncated;

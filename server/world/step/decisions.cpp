@@ -20,7 +20,7 @@ void Decisions::decide_open() {
     if (ledger_.all().found(i)) continue;
     const std::uint32_t a = slot_of(ledger_.all().open()[i].a);
     const std::uint32_t b = slot_of(ledger_.all().open()[i].b);
-    if (are_on_common_time(a, b)) continue;  // end_parted() decides it
+    if (are_on_common_time(a, b)) continue;  // decided by end_parted()
     if (!rows_.has_moved(a) && !rows_.has_moved(b)) continue;
     const bool a_is_part = rows_.info(a)->scene_part != kNoTriangle;
     const bool b_is_part = rows_.info(b)->scene_part != kNoTriangle;
@@ -56,8 +56,8 @@ void Decisions::end_parted(std::int64_t last_step_ns) {
   ledger_.all().end_unfound(rows_.moved(), end_of);
 }
 
-/// Decides the contacts on common time whose objects' bounds no longer meet. Nothing new is known of two objects that
-/// did not move and whose motions are all decided, unless the floor passed one of them.
+/// Decides the contacts on common time whose objects' bounds no longer meet. Nothing new is known about two objects
+/// that did not move and whose motions are all decided, unless the floor passed one of them.
 void Decisions::decide_unfound() {
   std::vector<std::uint32_t>& unfound = lists_.unfound;
   unfound.clear();
@@ -95,7 +95,7 @@ bool Decisions::is_timed(std::uint32_t slot) const {
 /// Sends one pair's finding to the ledger: a contact that begins or continues, one that began and ended within the
 /// step, or nothing new.
 ///
-/// parted  when a contact that began and ended within the step ended; null: some time before its end
+/// parted  when a contact that began and ended within the step ended; null: unknown, before the step's end
 void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep,
                        std::uint32_t mover, Contained contained, const ContactEnd* parted) {
   if (sweep != nullptr) {
@@ -106,11 +106,11 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
   if (touch.undecided && !touch.yes) ++cost_.undecided;
   const OpenContact* known = ledger_.find(std::min(a, b), std::max(a, b));
   const bool is_held = known != nullptr && known->doubt == Doubt::none;
-  // Once touching, a pair holds until it is known to be apart.
+  // Once touching, a pair stays in contact until it is known to be apart.
   const bool passed = sweep != nullptr && sweep->yes && !touch.yes && !(touch.undecided && !is_held);
   const bool holds_on = sweep != nullptr && sweep->yes && !touch.yes && !passed;
   if (!touch.yes && !passed && !holds_on) return report_doubt(a, b, touch, sweep, mover);
-  // Contacts that hold take their room, whether this search has reached them yet or not.
+  // Open contacts take their room whether or not this search has reached them yet.
   if (!is_held && !passed && ledger_.is_full(step_.options.max_contacts)) cost_.truncated = true;
   if (cost_.truncated && !is_held) return;
   ++cost_.contacts;
@@ -131,7 +131,7 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
     found.contained = turned_round(contained);
   }
   const bool is_told = step_.step_options.persisted || !is_held;
-  // A contact that goes on untold has no use for its time, unless one of the two came to lie within the other.
+  // A contact that continues without an event needs no time, unless one of the two came to lie within the other.
   if (is_told || found.contained != known->contained) set_bracket(found, sweep, mover);
   if (step_.step_options.contacts) { found.contact.depth_error_m += placing_error_of(found); }
   if (step_.step_options.contacts && is_told) {
@@ -152,7 +152,7 @@ void Decisions::report(ObjectId a, ObjectId b, const ContactSearch& touch, const
   }
 }
 
-/// How far the placing of both may put them off.
+/// Bound on the error of placing both.
 double Decisions::placing_error_of(const FoundContact& found) {
   const std::uint32_t a = slot_of(found.a);
   const std::uint32_t b = slot_of(found.b);
@@ -162,7 +162,7 @@ double Decisions::placing_error_of(const FoundContact& found) {
   return placing_error_m(placed(a, with_bounds), found.a_triangle, placed(b, with_bounds), found.b_triangle);
 }
 
-/// The pair was found neither to touch nor to be apart, at the step's end or on the way there.
+/// The pair was found neither to touch nor to be apart, at the step's end or during the step.
 void Decisions::report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch, const SweptContact* sweep,
                              std::uint32_t mover) {
   FoundContact found{.a = std::min(a, b), .b = std::max(a, b), .contact = {}};
@@ -175,8 +175,8 @@ void Decisions::report_doubt(ObjectId a, ObjectId b, const ContactSearch& touch,
   else if (may_begin()) ledger_.doubted_and_parted(found, sweep->is_cut_short ? Doubt::cost_limit : Doubt::numeric);
 }
 
-/// Sets when a contact began: from the swept mover's motion where the sweep found a time, else from all that the two
-/// did in this step. Exact to the nanosecond where the publisher gives instants, so it does not depend on the steps.
+/// Sets when a contact began: by the swept mover's motion if the sweep found a time, else by all motions of the two in
+/// this step. Exact to the nanosecond if the publisher gives instants, so it does not depend on the steps.
 void Decisions::set_bracket(FoundContact& found, const SweptContact* sweep, std::uint32_t mover) const {
   const ObjectRow& row = rows_[mover];
   const std::int64_t motion_ns = rows_.motion(mover) == Motion::moved ? row.posed_ns - row.posed_before_ns : 0;
@@ -195,7 +195,7 @@ void Decisions::set_bracket(FoundContact& found, const SweptContact* sweep, std:
     found.bracket_high_s = std::max(0.0, end_s + motion_s * (1 - sweep->bracket.high));
   }
   if (is_timed(mover)) found.parted_high_s = seconds_ago(row.posed_ns);
-  // The two parted some time between the first contact and the end.
+  // The two separated at some time between the first contact and the end.
   found.parted_low_s = found.bracket_high_s;
 }
 
@@ -214,7 +214,7 @@ void Decisions::set_bracket_of_moves(FoundContact& found) const {
     if (motion == Motion::moved) {
       first_ns = std::min(first_ns, row.posed_before_ns);
     } else {
-      placed_ns = std::max(placed_ns, row.posed_ns);  // nothing touched the object before it was there
+      placed_ns = std::max(placed_ns, row.posed_ns);  // nothing touched the object before it existed
     }
     last_ns = std::max(last_ns, row.posed_ns);
     all_timed = all_timed && is_timed(slot);
@@ -232,8 +232,8 @@ BodyMotion::PointVelocity Decisions::velocity_at(const Vec3& point, std::uint32_
   const ObjectRow& row = rows_[slot];
   const std::int64_t motion_ns = row.posed_ns - row.posed_before_ns;
   if (!row.has_motion || motion_ns <= 0 || row.posed_before_ns == kPosedAtStep) return {};
-  // An object that its publisher's instant does not name rests. One without instants counts as moving on for as long
-  // again as its last motion took.
+  // An object that its publisher's instant does not name rests. One without instants counts as moving on for as long as
+  // its last motion took.
   if (!rows_.has_moved(slot) && is_timed(slot)) return {};
   if (!rows_.has_moved(slot) && step_.world_time_ns - row.posed_ns > motion_ns) return {};
   const Frame now = row.frame();

@@ -28,29 +28,29 @@ struct PartSweep {
   SweptContact touch;
 };
 
-/// A part of a static scene in which some of the mover lies, or which lies in the mover, though their surfaces do not
-/// touch; a is the mover.
+/// A part of a static scene that contains some of the mover, or lies in it, though their surfaces do not touch; a is
+/// the mover.
 struct PartWithin {
   std::uint32_t part = 0;
   Contained contained = Contained::none;
 };
 
-/// Of two objects whose surfaces do not touch: whether they are in contact all the same.
+/// For two objects whose surfaces do not touch: whether they are in contact all the same.
 struct WithinSolid {
   bool is_some = false;                   // some of one lies within the other
-  Contained contained = Contained::none;  // all of it does
+  Contained contained = Contained::none;  // all of one lies within the other
 };
 
 /// Lists reused from step to step, so that deciding does not allocate.
 struct DecisionLists {
   PartContacts part_touches{true};
-  PartContacts touches_between{true};  // of one part, at a time between two poses
+  PartContacts touches_between{true};  // for one part, at a time between two poses
   std::vector<PartSweep> part_sweeps;
   std::vector<PartWithin> parts_within;
   PiecePoints pieces;
   PlacedBoxes boxes;
   std::vector<std::int64_t> cuts;
-  ContactTimes times;                  // of the surfaces of the pair at hand, in the piece at hand
+  ContactTimes times;                  // of the surfaces of the current pair, in the current piece
   std::vector<WithinSolid> gaps;       // after each of its intervals
   std::vector<std::uint32_t> unfound;  // numbers of open contacts
   std::vector<std::pair<std::uint32_t, std::uint32_t>> unfound_pairs;
@@ -64,11 +64,11 @@ struct PairPiece {
   std::int64_t to_ns = 0;
   BodyMotion a_motion;
   BodyMotion b_motion;
-  bool is_of_step = false;             // the motions by which both came to their present poses; else of the history
+  bool is_of_step = false;             // the motions by which both reached their present poses; else from the history
   bool is_timed = true;                // the publisher gives instants
-  const StaticScene* scene = nullptr;  // one of the two is a part of it
+  const StaticScene* scene = nullptr;  // one of the two is a part of this scene
 
-  /// The same with time reversed.
+  /// The piece with time reversed.
   PairPiece reversed() const {
     PairPiece back = *this;
     back.a_motion = a_motion.reversed();
@@ -77,14 +77,14 @@ struct PairPiece {
   }
 };
 
-/// The decisions of one step: sends each candidate's contact, at the end of the step and on the way there, to the
-/// ledger, or to a block that is applied to it later.
+/// The decisions of one step: sends each candidate's contact, at the end of the step and during it, to the ledger, or
+/// to a block that is applied to the ledger later.
 ///
-/// threads  one; several with a block and lists each may decide at once, while the ledger is not written
+/// threads  one; with a block and lists for each, several may decide at once while the ledger is not written
 class Decisions {
  public:
   /// lists  for one thread; their boxes are those of this step
-  /// block  takes what is found, on a thread beside the world's; null: the ledger does
+  /// block  receives the findings of a helper thread; null: the ledger does
   Decisions(const StepView& step, ContactLedger& ledger, SeparationCache& apart, DecisionLists& lists, StepCost& cost,
             StepBlock* block = nullptr)
       : step_(step),
@@ -99,39 +99,40 @@ class Decisions {
   void decide_scene(std::uint32_t mover, std::size_t scene_number);
   /// Decides two objects, of which at least one moves and whose filters let them meet.
   void decide_pair(std::uint32_t first, std::uint32_t second);
-  /// Prefetches what decide_pair() looks up first of a pair, and then the contact that it may have. Only hints.
+  /// Prefetches what decide_pair() looks up first, and then the pair's contact if there is one. Only hints.
   [[gnu::always_inline]] void prefetch_pair(std::uint32_t first, std::uint32_t second) const {
     ledger_.all().prefetch(lower_id(first, second), higher_id(first, second));
   }
   [[gnu::always_inline]] void prefetch_contact(std::uint32_t first, std::uint32_t second) const {
     ledger_.all().prefetch_contact(lower_id(first, second), higher_id(first, second));
   }
-  /// After a search that was cut short: decides each open contact that the search did not reach.
+  /// Decides each open contact that a cut-short search did not reach.
   void decide_open();
   /// Ends each contact that was not found again although one of its objects moved.
   void end_parted(std::int64_t last_step_ns);
-  /// Whether the two are known up to different times, or moved at different ones; else they are decided at the step's
+  /// True if the two are known up to different times, or moved at different times; else they are decided at the step's
   /// end.
   bool are_on_common_time(std::uint32_t first, std::uint32_t second) const {
     return engine::are_on_common_time(step_, first, second);
   }
-  /// Decides two such objects on all time newly known of both, in pieces that end at the poses of both: the same result
-  /// whatever steps deliver that time.
+  /// Decides two such objects on all newly known time of both, in pieces that end at the poses of both: the result does
+  /// not depend on the steps that deliver the time.
   void decide_on_common_time(std::uint32_t first, std::uint32_t second);
-  /// Two lone spheres certainly do not meet during their motions. Filters most candidates from one compact array.
+  /// True if two lone spheres certainly do not meet during their motions. Excludes most candidates from one compact
+  /// array.
   bool stay_apart(std::uint32_t first, std::uint32_t second) const;
-  /// One more pair may be tested, and found.
+  /// True if one more pair may be tested and found.
   bool has_room() const;
 
-  /// Candidates that a step may test per contact that it may find: pairs that are apart cost time, but never memory.
+  /// Candidates that a step may test per contact that it may find: pairs that are apart cost time but no memory.
   static constexpr std::uint64_t kCandidatesAContact = 16;
-  /// Whether after so many looks of a step's sweeps each one may still take as many as the first.
+  /// True if after this many tests in a step's sweeps each sweep may still make as many as the first.
   static bool are_looks_free(std::uint64_t looks) { return looks + kMostSweepLooks <= kStepLooks; }
 
  private:
-  /// Tests of pairs of parts that the sweep of one pair may take: some 20 ms, during which all other pairs wait.
+  /// Tests of pairs of parts that the sweep of one pair may make: about 20 ms, during which all other pairs wait.
   static constexpr std::uint32_t kMostSweepLooks = 10'000;
-  /// What all sweeps of a step may take before each one has only the least: some 0.1 s.
+  /// Tests that all sweeps of a step may make before each one has only the least: about 0.1 s.
   static constexpr std::uint32_t kStepLooks = 50'000;
   static constexpr std::uint32_t kLeastSweepLooks = 200;
 
@@ -227,7 +228,7 @@ class Decisions {
   void report_intervals(const PairPiece& piece, const ContactSearch& touch);
   bool begin_interval(const PairPiece& piece, std::size_t number, const ContactSearch& touch);
 
-  // kept_apart.cpp: pairs of meshes that need no test for a while
+  // kept_apart.cpp: pairs of meshes that need no test for some steps
   double gap_wanted_m(std::uint32_t slot) const;
   void look_for_gap(std::uint32_t first, std::uint32_t second);
   void look_for_gap(std::uint32_t mover, const StaticScene& scene, std::uint32_t partner);
@@ -246,7 +247,7 @@ class Decisions {
             .bounds = with_bounds ? motion_.pose_bounds(slot) : Aabb{},
             .pose = &rows_[slot].pose};
   }
-  /// Each is one ball or one box: testing them asks nothing of their bounds, and takes no longer than to work these out.
+  /// True if each is one ball or one box: testing these needs no bounds, and takes no longer than computing bounds.
   bool are_balls_or_boxes(std::uint32_t first, std::uint32_t second) const {
     const auto is_one = [&](std::uint32_t slot) {
       return rows_[slot].is_lone_sphere() || lone_box(*rows_.info(slot)) != nullptr;

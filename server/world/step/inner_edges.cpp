@@ -37,11 +37,11 @@ bool has_faces(const Primitive& primitive) {
 struct MoverContact {
   ObjectId mover = 0;
   std::size_t number = 0;  // index of the open contact
-  ObjectId body = 0;       // the other one
+  ObjectId body = 0;       // the other object
   std::uint32_t triangle = kNoTriangle;
   Vec3 normal = Vec3::Zero();        // from the mover to the body
-  mutable std::optional<Box> box{};  // the body as placed, once it was asked for
-  // Another contact's normal separates the mover from this body too.
+  mutable std::optional<Box> box{};  // the body as placed, once it was needed
+  // another contact's normal separates the mover from this body too
   bool is_covered = false;
 };
 
@@ -72,7 +72,7 @@ class Correction {
         look_at();
       }
     }
-    // Where both objects of a contact are movers, the one with the higher id has the last word.
+    // If both objects of a contact are movers, the one with the higher id decides.
     std::sort(corrected_.begin(), corrected_.end(), [](const Corrected& x, const Corrected& y) {
       return x.mover != y.mover ? x.mover < y.mover : x.number < y.number;
     });
@@ -83,7 +83,7 @@ class Correction {
  private:
   const ObjectInfo& info(ObjectId id) const { return *rows_.info(slot_of(id)); }
 
-  /// What collect() reads of some movers: neighbours in space are far apart in memory.
+  /// Prefetches what collect() reads for some movers: neighbours in space are far apart in memory.
   void prefetch(std::span<const std::uint32_t> movers) {
     ahead_.clear();
     for (const std::uint32_t slot : movers) {
@@ -95,8 +95,8 @@ class Correction {
     for (const std::uint32_t number : ahead_) ledger_.prefetch_contact(number);
   }
 
-  /// The mover's contacts with bodies that have faces, found in this step or before, by body. Others are left out: a doubt
-  /// has no normal, and a thing within a solid touches no face.
+  /// The mover's contacts with bodies that have faces, found in this step or before, by body. Doubts are left out
+  /// because they have no normal, contained objects because they touch no face.
   void collect(std::uint32_t slot) {
     sides_.clear();
     ledger_.for_each_at_faces(slot, [&](std::uint32_t number) {
@@ -115,7 +115,7 @@ class Correction {
   }
 
   void look_at() {
-    // A contact at rest matters only where one found in this step is covered, which few are.
+    // A contact at rest matters only if one found in this step is covered, which is rare.
     bool is_any_covered = false;
     for (MoverContact& side : sides_) {
       if (ledger_.found(side.number)) is_any_covered |= side.is_covered = is_covered(side);
@@ -136,8 +136,7 @@ class Correction {
     });
   }
 
-  /// The uncovered contact whose normal is closest and covers this one; null where an uncovered one has the same
-  /// normal.
+  /// The uncovered contact with the closest normal that covers this one; null if an uncovered one has the same normal.
   const MoverContact* face_for(const MoverContact& side) const {
     const MoverContact* best = nullptr;
     for (const MoverContact& other : sides_) {
@@ -153,7 +152,7 @@ class Correction {
     return a.normal.dot(b.normal) >= 1 - kSameNormal;
   }
 
-  /// Along the first contact's normal, the other body comes no nearer to the mover.
+  /// True if the other body comes no nearer to the mover along the first contact's normal.
   bool covers(const MoverContact& one, const MoverContact& other) const {
     if (one.normal.dot(other.normal) < -kSameNormal) return false;
     const Vec3 towards = -one.normal;
@@ -166,7 +165,7 @@ class Correction {
            others.high() <= reach.high() + rounding_m(one.body) + rounding_m(other.body) && std::isfinite(others.low());
   }
 
-  /// The comparison of covers() for two boxes in plain double, where it is clear.
+  /// The comparison of covers() for two boxes in plain double, if that decides it.
   Decision quickly_reaches_no_farther(const MoverContact& one, const MoverContact& other, const Vec3& along,
                                       const Vec3& origin) const {
     const Box* box = placed_box(one);
@@ -186,7 +185,7 @@ class Correction {
     return farther_m < -error_m ? Decision::yes : Decision::undecided;
   }
 
-  /// The body's box as placed; null where it is anything else. Few are asked for: most normals oppose each other.
+  /// The body's box as placed; null for any other body. Computed on demand: most normals oppose each other.
   const Box* placed_box(const MoverContact& side) const {
     if (side.box) return &*side.box;
     const Box* own = lone_box(info(side.body));

@@ -4,12 +4,12 @@
 namespace collided::engine {
 namespace {
 
-/// Searches for a gap that lasts for this many steps like the present one: a smaller one would not repay the search.
+/// Searches for a gap that lasts for this many steps at the present speed: a smaller one would not repay the search.
 constexpr double kGapInSteps = 16;
 
 }  // namespace
 
-/// Of one object: 0 where it has no motion to extrapolate.
+/// For one object: 0 if it has no motion to extrapolate.
 double Decisions::gap_wanted_m(std::uint32_t slot) const {
   return kGapInSteps * motion_.longest_displacement_m(slot, rows_.info(slot)->mesh->radius_m);
 }

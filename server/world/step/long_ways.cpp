@@ -7,31 +7,30 @@ namespace collided::engine {
 namespace {
 
 constexpr std::uint32_t kMostParts = 64;
-/// With fewer movers the whole boxes are soon compared.
+/// With fewer movers, comparing the whole boxes is cheap.
 constexpr std::size_t kFewestMovers = 256;
-/// So many movers are looked at to judge a step.
+/// Number of movers sampled to judge a step.
 constexpr std::size_t kSample = 128;
 
-// Measured in ns, of which only the ratios matter: a box made, put into a grid and looked at; a pair found, and found
-// within a part, where each is sorted too; a pair decided, of balls and of anything else.
+// Measured in ns, of which only the ratios matter. A box: made, put into a grid and searched for. A pair: found, found
+// within a part (where it is also sorted), decided for balls, and decided for anything else.
 constexpr double kBoxCost = 300;
 constexpr double kFoundCost = 25;
 constexpr double kFoundInPartCost = 80;
 constexpr double kBallsCost = 30;
 constexpr double kOthersCost = 3'000;
-/// The estimate takes places for independent of each other, and is up to twice of what long ways cost; only a clear gain
-/// counts.
+/// The estimate takes positions for independent, and is up to twice the cost of long paths; only a clear gain counts.
 constexpr double kClearGain = 0.45;
 
-/// What the movers are like on average.
+/// Averages over the movers.
 struct Crowd {
   Vec3 size = Vec3::Zero();
   Vec3 travel = Vec3::Zero();
-  Aabb at_begin, at_end;  // where they are
-  double count = 0;       // of all boxes
+  Aabb at_begin, at_end;  // bounds of their positions
+  double count = 0;       // number of all boxes
   double balls = 0;       // share of the movers
 
-  /// Pairs of boxes of this size that overlap in the room.
+  /// Expected pairs of boxes of this size that overlap in the room.
   double pairs_in(const Aabb& room, const Vec3& box) const {
     double share = 0.5;
     for (int axis = 0; axis < 3; ++axis) share *= std::min(1.0, 2 * box[axis] / (room.high[axis] - room.low[axis]));
@@ -59,7 +58,7 @@ std::optional<StraightWay> way_of(const StepView& step, std::uint32_t slot) {
 }
 
 std::uint32_t parts_of(const StraightWay& way) {
-  // A way along one axis fills its box, whatever its length.
+  // A path along one axis fills its box, whatever its length.
   Vec3 travel = way.travel().cwiseAbs();
   std::sort(travel.begin(), travel.end());
   const double parts = travel[1] / (2 * way.size().maxCoeff());
@@ -69,7 +68,7 @@ std::uint32_t parts_of(const StraightWay& way) {
 
 std::uint32_t LongWays::part_count(std::size_t boxes) const {
   const std::vector<std::uint32_t>& moved = step_.rows.moved();
-  // Pairs of several sources are decided on other times than the step's.
+  // Pairs of several sources are decided at other times than the step's.
   if (moved.size() < kFewestMovers || step_.sources.need_common_time()) return 1;
   Crowd crowd;
   crowd.count = static_cast<double>(boxes);

@@ -9,27 +9,27 @@
 
 namespace collided::engine {
 
-/// The way of an object that moved in this step; nothing where it was placed, or other times than this step's are still to
-/// be decided of it, so that only the bounds of all of them serve.
+/// The path of an object that moved in this step. Nothing if it was placed, or if other times than this step's are
+/// undecided for it, so that only its whole bounds help.
 std::optional<StraightWay> way_of(const StepView& step, std::uint32_t slot);
 
-/// In how many parts the way of one object is best looked at; 1: its bounds are hardly larger than the object.
+/// Best number of parts for the path of one object; 1: its bounds are hardly larger than the object.
 std::uint32_t parts_of(const StraightWay& way);
 
-/// Finds the pairs of a step in which objects leap: a box around a long way is mostly empty, and all of a crowd's overlap.
-/// The step's time is cut into equal parts, and within each the boxes of that part are compared, which are short.
+/// Finds the pairs of a step in which objects make long moves: a box around a long path is mostly empty, and those of a
+/// crowd all overlap. Divides the step's time into equal parts, and compares the short boxes within each part.
 ///
-/// threads  the writer's
+/// threads  the writer
 class LongWays {
  public:
   explicit LongWays(const StepView& step) : step_(step) {}
 
-  /// Into how many parts this step is best cut; 1: not at all. Judged by some of what moved.
+  /// Best number of parts for this step; 1: no division. Estimated from a sample of the movers.
   ///
-  /// boxes  how many there are in the index
+  /// boxes  number of boxes in the index
   std::uint32_t part_count(std::size_t boxes) const;
-  /// The pairs (first < second) whose boxes overlap in one of the parts, each once, but for those at rest. `found` returns
-  /// false to end the search.
+  /// Finds the pairs (first < second) whose boxes overlap in one of the parts, each once, except pairs at rest. `found`
+  /// returns false to end the search.
   void pairs(std::uint32_t parts, Grid::PairFound found, WalkCost& cost);
 
  private:
@@ -37,10 +37,10 @@ class LongWays {
   void keep_each_once();
 
   const StepView& step_;
-  std::vector<std::uint32_t> slots_;  // of what has a way
+  std::vector<std::uint32_t> slots_;  // of the objects with a path
   std::vector<StraightWay> ways_;
   std::vector<Aabb> boxes_;
-  std::vector<std::uint64_t> found_;  // first in the high half
+  std::vector<std::uint64_t> found_;  // first slot in the high half
   std::size_t most_unsorted_ = 0;
 };
 

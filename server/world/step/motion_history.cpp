@@ -5,7 +5,7 @@
 namespace collided::engine {
 namespace {
 
-/// A pure function of segment and time, so that every caller gets the same place to the bit.
+/// A pure function of segment and time, so that every caller gets the same frame to the bit.
 Frame place_on(const MotionSegment& segment, std::int64_t time_ns) {
   if (time_ns >= segment.to_ns) return segment.to;
   if (time_ns <= segment.from_ns) return segment.from;
@@ -84,7 +84,7 @@ void MotionHistory::add_times(std::uint32_t slot, std::int64_t from_ns, std::int
   }
 }
 
-/// The first segment that ends after that time; null: there is none.
+/// The first segment that ends after that time; null if there is none.
 const MotionSegment* MotionHistory::ending_after(std::uint32_t slot, std::int64_t time_ns) const {
   for (const MotionSegment& segment : segments_[slot]) {
     if (segment.to_ns > time_ns) return &segment;

@@ -8,43 +8,43 @@
 
 namespace collided::engine {
 
-/// The motion of an object from one pose to the next; a jump where both have one time. The centre of a lone sphere
+/// The motion of an object from one pose to the next; a jump if both have the same time. The centre of a lone sphere
 /// moves straight, so its frames do not rotate.
 struct MotionSegment {
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;
   Frame from;
   Frame to;
-  Vec3 pivot = Vec3::Zero();  // as of BodyMotion
+  Vec3 pivot = Vec3::Zero();  // as in BodyMotion
   Aabb bounds;                // of the whole motion
 
   BodyMotion path() const { return {from, to, pivot}; }
   bool is_jump() const { return from_ns == to_ns; }
 };
 
-/// Where objects were recently, as far back as a source may still need it. Between two segments an object rests, as
-/// well as before the first and after the last.
-/// threads  the writer's only
+/// Where objects were recently, as far back as a source may still need it. Before the first segment, between segments
+/// and after the last an object rests.
+/// threads  the writer only
 /// Always: an object's segments are ordered by time and do not overlap.
 class MotionHistory {
  public:
   void add(std::uint32_t slot, const MotionSegment& segment);
   void forget(std::uint32_t slot);
-  /// Forgets segments that end by then: no source needs that time.
+  /// Forgets segments that end by then: no source needs that time any more.
   void forget_up_to(std::int64_t time_ns);
 
   /// Slots with a segment.
   const std::vector<std::uint32_t>& travelling() const { return travelling_; }
   bool is_travelling(std::uint32_t slot) const { return slot < segments_.size() && !segments_[slot].empty(); }
-  /// The object has one segment, which is no jump, or none.
+  /// True if the object has one segment that is not a jump, or none.
   bool is_on_one_way(std::uint32_t slot) const {
     if (!is_travelling(slot)) return true;
     return segments_[slot].size() == 1 && !segments_[slot].front().is_jump();
   }
-  /// Some of a segment lies in (from_ns, to_ns].
+  /// True if some of a segment lies in (from_ns, to_ns].
   bool moves(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns) const;
   bool jumps(std::uint32_t slot, std::int64_t time_ns) const;
-  /// The segment, not a jump, that the object is on at that time; null: it rests.
+  /// The segment, not a jump, that the object is on at that time; null if it rests.
   const MotionSegment* under_way(std::uint32_t slot, std::int64_t time_ns) const;
   /// Calls visit(segment) for each segment, in order.
   template <class Visit>
@@ -60,7 +60,7 @@ class MotionHistory {
   /// The motion from just after from_ns up to to_ns, before a jump at to_ns; no time of add_times() may lie between the
   /// two. resting: where the object is if it has no segment.
   BodyMotion motion(std::uint32_t slot, std::int64_t from_ns, std::int64_t to_ns, const Pose& resting) const;
-  /// The same for a point of a lone sphere, at less cost.
+  /// For a point of a lone sphere, at less cost.
   struct PointMotion {
     Vec3 from;
     Vec3 to;

@@ -1,4 +1,4 @@
-// Pairs of objects at the step's end: their contact there, and the first one on the way.
+// Pairs of objects at the step's end: their contact there, and the first one during the step.
 
 #include <algorithm>
 #include <utility>
@@ -32,7 +32,7 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   const ObjectId a = rows_.id(first);
   const ObjectId b = rows_.id(second);
   const bool is_held = ledger_.holds(a, b);
-  // What touched in the last step mostly does so in this one.
+  // Pairs that touched in the last step mostly do so in this one.
   const PlacedBoxPair boxes = lists_.boxes.pair(rows_, first, second);
   if (!is_held && boxes.are_boxes() && boxes_stay_apart(first, second, boxes)) {
     ++cost_.exact_tests;
@@ -43,13 +43,14 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   const bool are_near =
       are_balls_or_boxes(first, second) || overlaps(motion_.pose_bounds(first), motion_.pose_bounds(second));
   WithinSolid within;
-  // Nothing lies within a box, as within the solid that a mesh encloses.
+  // Nothing lies within a box, unlike in the solid of a mesh.
   if (!boxes.are_boxes() || (are_near && !search_placed(boxes, touch)))
     within = search_placing(first, second, are_near, touch);
   cost_.exact_tests += touch.exact_tests;
   std::optional<SweptContact> sweep;
   std::uint32_t mover = first;
-  // Of a pair that touches at the end the contact there is told, and of the one on the way only its time.
+  // For a pair that touches at the end the contact there is reported, and only the time of the first one during the
+  // step.
   if (!is_held) sweep = sweep_between(first, second, !touch.yes || may_be_cut(first, second), mover);
   const bool is_passing = sweep && sweep->yes && !touch.yes;
   if ((is_held || touch.yes || is_passing) && (may_be_cut(first, second) || !touch.yes) &&
@@ -66,7 +67,7 @@ void Decisions::decide_pair(std::uint32_t first, std::uint32_t second) {
   }
   report(a, b, touch, sweep ? &*sweep : nullptr, rows_.has_moved(mover) ? mover : first + second - mover,
          within.contained);
-  // What lies in a solid has a gap too, and is in contact.
+  // An object in a solid has a gap too, but is in contact.
   if (are_meshes && !touch.yes && touch.exact_tests == 0 && are_near) look_for_gap(first, second);
 }
 
@@ -84,7 +85,7 @@ SweepOptions Decisions::sweep_options(std::uint32_t mover) const {
           .looks = &cost_.sweep_looks};
 }
 
-/// Uses the same relative motion as sweep_between, which is exact for the remaining pairs.
+/// Uses the same relative motion as sweep_between(), which is exact for the remaining pairs.
 bool Decisions::stay_apart(std::uint32_t first, std::uint32_t second) const {
   if (motion_.ball(first).radius_m < 0 || motion_.ball(second).radius_m < 0) return false;
   if (rows_.has_lower_id(second, first)) std::swap(first, second);
@@ -110,13 +111,13 @@ WithinSolid Decisions::search_placing(std::uint32_t first, std::uint32_t second,
   return {touch.yes, contained};
 }
 
-/// Unless the two are single convex objects that go straight.
+/// True unless the two are single convex objects that move straight.
 bool Decisions::may_be_cut(std::uint32_t first, std::uint32_t second) const {
   return motion_.turns(first) || motion_.turns(second) || !is_lone_convex(*rows_.info(first)) ||
          !is_lone_convex(*rows_.info(second));
 }
 
-/// The motions of both in this step, lower id first; nothing where one of them was placed or no time is known.
+/// The motions of both in this step, lower id first; nothing if one of them was placed or no time is known.
 std::optional<PairPiece> Decisions::piece_of_step(std::uint32_t first, std::uint32_t second) const {
   if (rows_.motion(first) == Motion::placed || rows_.motion(second) == Motion::placed) return std::nullopt;
   const std::uint32_t mover = rows_.motion(first) == Motion::moved ? first : second;
@@ -134,11 +135,11 @@ std::optional<PairPiece> Decisions::piece_of_step(std::uint32_t first, std::uint
                    .is_timed = is_timed(mover)};
 }
 
-/// The two certainly do not meet on their motions.
+/// True if the two certainly do not meet during their motions.
 bool Decisions::boxes_stay_apart(std::uint32_t first, std::uint32_t second, const PlacedBoxPair& boxes) const {
   const bool is_placed = rows_.motion(first) == Motion::placed || rows_.motion(second) == Motion::placed;
   if (!is_placed) return kernel::surely_apart(boxes.a->motion, boxes.b->motion);
-  // What met on the way to where one of them was placed did not meet it there: both count as resting.
+  // A mover on its way does not meet an object that was placed there later: both count as resting.
   const auto resting = [&](std::uint32_t slot) {
     const ObjectRow& row = rows_[slot];
     const Frame frame = row.frame();

@@ -12,7 +12,7 @@ LedgerWrite change_of(Kind kind, ObjectId a, ObjectId b, double bracket_low_s, d
           .found = {.a = a, .b = b, .contact = {}, .bracket_low_s = bracket_low_s, .bracket_high_s = bracket_high_s}};
 }
 
-/// The rules remember names, and a found contact is seldom read again.
+/// The rules cache names, and a found contact is seldom read again.
 bool is_allowed(const ContactLedger& ledger, ObjectId a, ObjectId b) {
   static std::mutex mutex;
   const std::lock_guard lock(mutex);
@@ -74,11 +74,11 @@ void PairLedger::record(const LedgerWrite& change) {
   follow(change);
 }
 
-/// Changes state_ as the ledger's functions will change the pair's contact.
+/// Changes state_ in the way that the ledger's functions will change the pair's contact.
 void PairLedger::follow(const LedgerWrite& change) {
   const FoundContact& found = change.found;
   const bool is_doubt = state_ && state_->doubt != Doubt::none;
-  // A contact that holds ends or changes whatever is allowed.
+  // An open contact ends or changes even if the pair is allowed to touch.
   if (change.kind == Kind::parts) return state_.reset();
   if (change.kind == Kind::changes_containment) {
     if (state_ && !is_doubt) state_->contained = found.contained;

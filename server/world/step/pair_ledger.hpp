@@ -6,9 +6,9 @@
 
 namespace collided::engine {
 
-/// The contact of the pair that is being decided, read and written. On the world's thread that is the ledger. On any other
-/// thread the ledger is only read: what a decision writes goes into a block, and what it reads after that is what the
-/// ledger will hold once the block is applied.
+/// Reads and writes the contact of the pair being decided. On the world's thread it accesses the ledger. Any other
+/// thread only reads the ledger: its writes go into a block, and later reads return what the ledger will hold once the
+/// block is applied.
 ///
 /// Always: a pair's decision reads no other pair's contact, so that blocks may be decided at once and applied in order.
 class PairLedger {
@@ -22,10 +22,10 @@ class PairLedger {
   /// The block; null: the ledger itself is written.
   StepBlock* block() { return block_; }
   bool is_recording() const { return block_ != nullptr; }
-  /// Whether the ledger is full. Never so while recording: the block is decided again where it may have been.
+  /// True if the ledger is full. Never true while recording: a block that may have filled it is decided again.
   bool is_full(std::size_t most) const { return block_ == nullptr && ledger_.open().size() >= most; }
 
-  /// As ContactLedger's functions of these names.
+  /// Same as ContactLedger's functions of these names.
   const OpenContact* find(ObjectId a, ObjectId b) const {
     if (is_written(a, b)) return state_ ? &*state_ : nullptr;
     return ledger_.find(a, b);
@@ -56,13 +56,13 @@ class PairLedger {
 
   ContactLedger& ledger_;
   StepBlock* const block_;
-  // The pair written last, and its contact since then. No object has the id 0 as the higher one of a pair.
+  // The pair written last, and its contact after that. No pair has 0 as its higher id.
   ObjectId written_a_ = 0;
   ObjectId written_b_ = 0;
   std::optional<OpenContact> state_;
 };
 
-/// Makes one change that a decision found.
+/// Applies one change that a decision recorded.
 void write(const LedgerWrite& change, ContactLedger& ledger);
 
 }  // namespace collided::engine

@@ -19,7 +19,7 @@ bool are_on_common_time(const StepView& step, std::uint32_t first, std::uint32_t
     return false;
   if (source != rows.source(second) || sources[source].is_streamed) return true;
   if (!sources[source].has_spoken) return false;
-  // Two objects of one publisher: what it moved at one instant shares its motion, and only that.
+  // For two objects of one publisher: objects that it moved at one instant share the motion's time, and only these.
   if (!rows.is_posed(first) || !rows.is_posed(second)) return rows.is_posed(first) || rows.is_posed(second);
   const auto has_own_motion = [&](std::uint32_t slot) {
     const ObjectRow& row = rows[slot];
@@ -40,15 +40,15 @@ PairWindow window_of(const StepView& step, std::uint32_t first, std::uint32_t se
     const ObjectRow& row = rows[slot];
     return step.sources[rows.source(slot)].settled_of(rows.is_posed(slot) ? row.said_before_ns : row.posed_ns);
   };
-  // What one publisher moved since the last step is complete for its own pairs, however far other publishers are.
+  // Motions of one publisher since the last step are complete for its own pairs, however far other publishers are.
   const std::uint32_t source = rows.source(first);
   const bool needs_memory = source != rows.source(second) || step.sources[source].is_streamed;
   const std::int64_t joined_ns = std::max(rows[first].joined_ns, rows[second].joined_ns);
   const std::int64_t floor_ns = needs_memory ? std::max(step.sources.floor_ns(), joined_ns) : 0;
   const std::int64_t decided_ns = std::min(settled_ns(first), settled_ns(second));
   const std::int64_t from_ns = std::max({decided_ns, rows[first].born_ns, rows[second].born_ns, floor_ns});
-  // Where the window does not continue the decided time, the pair begins anew, however many steps ago both objects
-  // came.
+  // If the window does not continue the decided time, the pair begins again, however many steps ago both objects were
+  // added.
   const bool begins = from_ns > decided_ns || rows.is_new(first) || rows.is_new(second) || step.looks_at_all;
   return {.decided_ns = decided_ns,
           .from_ns = from_ns,

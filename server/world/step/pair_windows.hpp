@@ -9,9 +9,9 @@
 
 namespace collided::engine {
 
-/// The time in which a pair is decided: (from_ns, to_ns], and from_ns itself where is_closed. World time.
+/// The time in which a pair is decided: (from_ns, to_ns], including from_ns if is_closed. World time.
 struct PairWindow {
-  // end of the time that earlier steps decided; the time between it and from_ns stays undecided
+  // end of the time decided in earlier steps; the time from there to from_ns stays undecided
   std::int64_t decided_ns = 0;
   std::int64_t from_ns = 0;
   std::int64_t to_ns = 0;
@@ -20,13 +20,13 @@ struct PairWindow {
   bool is_empty() const { return is_closed ? to_ns < from_ns : to_ns <= from_ns; }
 };
 
-/// Whether the two are known up to different times, or moved at different ones; else they are decided at the step's
+/// True if the two are known up to different times, or moved at different times; else they are decided at the step's
 /// end.
 bool are_on_common_time(const StepView& step, std::uint32_t first, std::uint32_t second);
-/// What is newly known of both, of two that are on common time.
+/// The newly known time of two objects on common time.
 PairWindow window_of(const StepView& step, std::uint32_t first, std::uint32_t second);
-/// Cuts the window into pieces: at the poses of both objects and at all instants of both publishers, whichever objects
-/// moved then. So the pieces do not depend on when messages arrived.
+/// Divides the window into pieces at the poses of both objects and at all instants of both publishers, whichever
+/// objects moved then. So the pieces do not depend on when messages arrived.
 ///
 /// cuts  becomes the ends of the pieces, ascending
 void cut(const StepView& step, std::uint32_t first, std::uint32_t second, const PairWindow& window,
@@ -43,8 +43,7 @@ struct BracketNs {
 };
 /// A bracket within a piece of time in whole nanoseconds, rounded outward.
 BracketNs rounded_outward(std::int64_t from_ns, std::int64_t to_ns, const TimeBracket& bracket);
-/// The same, widened by how long the rounding of both
-/// positions takes at the point along the normal.
+/// The bracket widened by the time that the rounding of both positions takes at the point along the normal.
 BracketNs in_nanoseconds(std::int64_t from_ns, std::int64_t to_ns, const MotionPair& motions,
                          const TimeBracket& bracket, const Vec3& point, const Vec3& normal);
 

@@ -1,5 +1,5 @@
-// Pairs that may touch several times in a piece: meshes, objects of several parts, and whatever turns. All their contacts
-// in the piece are found and reported, in order.
+// Pairs that may touch several times in a piece: meshes, objects of several parts, and anything that rotates. All their
+// contacts in the piece are found and reported, in order.
 
 #include <algorithm>
 
@@ -8,15 +8,15 @@
 
 namespace collided::engine {
 
-/// What two single convex objects that go straight do in a piece shows from both its ends.
+/// The two ends of a piece show everything that two single convex objects do if they move straight.
 bool Decisions::is_cut(const PairPiece& piece) const {
   return piece.scene != nullptr ||
          !touch_at_most_once(*rows_.info(piece.a), piece.a_motion, *rows_.info(piece.b), piece.b_motion);
 }
 
-/// False: the surfaces of the two do not touch in the piece, or it is not known whether they do at its end.
+/// False: the surfaces of the two do not touch in the piece, or it is unknown whether they do at its end.
 ///
-/// first  the first contact of their surfaces, of two that were not in contact
+/// first  the first contact of their surfaces, for two that were not in contact
 bool Decisions::decide_intervals(const PairPiece& piece, const ContactSearch& touch, const WithinSolid& within,
                                  const SweptContact* first) {
   if (!is_cut(piece) || (touch.undecided && !touch.yes)) return false;
@@ -40,7 +40,7 @@ bool Decisions::decide_intervals(const PairPiece& piece, const ContactSearch& to
   return true;
 }
 
-/// Of two in contact: whether their surfaces touch when the piece begins. Without a solid nothing else is a contact.
+/// For two in contact: whether their surfaces touch when the piece begins. Without a solid they must.
 TouchAtEnd Decisions::surfaces_at_begin(const PairPiece& piece) {
   const ObjectId a = rows_.info(piece.a)->id;
   const ObjectId b = rows_.info(piece.b)->id;
@@ -82,7 +82,7 @@ bool Decisions::find_intervals(const PairPiece& piece, const TouchAtEnd& begin, 
   return true;
 }
 
-/// Reports what lists_.times and lists_.gaps hold.
+/// Reports lists_.times and lists_.gaps.
 void Decisions::report_intervals(const PairPiece& piece, const ContactSearch& touch) {
   const std::vector<ContactInterval>& intervals = lists_.times.intervals;
   const ObjectId a = rows_.info(piece.a)->id;
@@ -138,7 +138,7 @@ bool Decisions::begin_interval(const PairPiece& piece, std::size_t number, const
     ledger_.touches(found);
     return true;
   }
-  // They may have parted and met again.
+  // They may have separated and met again.
   ledger_.doubts(found, Doubt::cost_limit);
   if (!touch.yes) {
     const PieceBracket parted = parted_in(piece, intervals[number]);
@@ -147,7 +147,7 @@ bool Decisions::begin_interval(const PairPiece& piece, std::size_t number, const
   return true;
 }
 
-/// A contact that held before has ended in the piece, and within its bracket the two may have met again.
+/// A contact from before has ended in the piece, and within its bracket the two may have met again.
 void Decisions::doubt_after(const PairPiece& piece) {
   const PieceBracket last = in_seconds(piece, *lists_.times.intervals.back().end, {});
   ledger_.doubted_and_parted({.a = rows_.info(piece.a)->id,
@@ -160,7 +160,7 @@ void Decisions::doubt_after(const PairPiece& piece) {
                              Doubt::cost_limit);
 }
 
-/// When the surfaces part at the end of an interval: no earlier than they met.
+/// When the surfaces separate at the end of an interval: no earlier than they met.
 Decisions::PieceBracket Decisions::parted_in(const PairPiece& piece, const ContactInterval& interval) const {
   PieceBracket parted = in_seconds(piece, *interval.end, interval.last);
   if (!interval.begin) return parted;
@@ -170,7 +170,7 @@ Decisions::PieceBracket Decisions::parted_in(const PairPiece& piece, const Conta
   return parted;
 }
 
-/// The surfaces of the two part: their contact ends, or goes on within a solid.
+/// The surfaces of the two separate: their contact ends, or continues within a solid.
 void Decisions::end_interval(const PairPiece& piece, std::size_t number) {
   const ContactInterval& interval = lists_.times.intervals[number];
   const ObjectId a = rows_.info(piece.a)->id;

@@ -7,7 +7,7 @@
 namespace collided::engine {
 namespace {
 
-/// When more are kept, those of objects that are gone are looked for.
+/// Beyond this number, entries of removed objects are searched for.
 constexpr std::size_t kMostKept = 1'024;
 
 Aabb bounds_of_triangles(const TriangleMesh& mesh, std::uint32_t first, std::uint32_t count) {
@@ -26,7 +26,7 @@ std::span<const Vec3> PiecePoints::of(const ObjectInfo& info) {
     return primitives_;
   }
   MeshPoints& kept = meshes_[info.mesh.get()];
-  // Another mesh may have come to lie where one was.
+  // Another mesh may have been allocated at the same address.
   if (kept.mesh.lock() != info.mesh) {
     kept = {.mesh = info.mesh, .points = points_of_pieces(info)};
     forget_gone();

@@ -10,13 +10,14 @@
 
 namespace collided::engine {
 
-/// Points that decide what of an object lies in a solid, kept from step to step: finding them visits the whole mesh.
+/// Points that decide which parts of an object lie in a solid, kept from step to step: finding them visits the whole
+/// mesh.
 /// threads  one
 class PiecePoints {
  public:
-  /// As points_of_pieces(); valid until the next call.
+  /// Same as points_of_pieces(); valid until the next call.
   std::span<const Vec3> of(const ObjectInfo& info);
-  /// Of a part of a scene, with its bounds, in the world's coordinates; valid until the next call.
+  /// Points of a part of a scene, with its bounds, in world coordinates; valid until the next call.
   struct PartPoints {
     std::vector<Vec3> points;
     Aabb bounds;

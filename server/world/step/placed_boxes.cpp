@@ -25,7 +25,7 @@ PlacedBoxPair PlacedBoxes::pair(const ObjectRows& rows, std::uint32_t first, std
   };
   if (!is_box(first) || !is_box(second)) return {};
   if (boxes_.size() + 2 > kMost) forget();
-  // The first stays where it is while the second is added.
+  // The first must not move in memory while the second is added.
   if (boxes_.capacity() < boxes_.size() + 2) boxes_.reserve(std::min(2 * boxes_.size() + 2, kMost));
   return {&placed(rows, first), &placed(rows, second)};
 }

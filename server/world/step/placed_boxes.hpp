@@ -10,7 +10,7 @@
 
 namespace collided::engine {
 
-/// Two objects of one box each; null where one of them is anything else.
+/// Two objects of one box each; null for any other object.
 struct PlacedBoxPair {
   const PlacedBox* a = nullptr;
   const PlacedBox* b = nullptr;
@@ -18,15 +18,15 @@ struct PlacedBoxPair {
   bool are_boxes() const { return a != nullptr; }
 };
 
-/// The objects that are one box each and that a step decides, each placed once for many candidates.
-/// threads  the writer's only
+/// Objects of one box each that a step decides, placed once for many candidates.
+/// threads  the writer only
 class PlacedBoxes {
  public:
-  /// More are not remembered, 1.2 MB of them: candidates come in the order of space, so that one that was forgotten is
-  /// seldom asked for again.
+  /// More are not remembered (1.2 MB of them): candidates come in spatial order, so a forgotten one is seldom needed
+  /// again.
   static constexpr std::size_t kMost = 4'096;
 
-  /// Forgets the last step's.
+  /// Forgets the boxes of the last step.
   void begin_step(std::size_t slot_count);
   /// Valid until the next call. The rows must not change within the step.
   PlacedBoxPair pair(const ObjectRows& rows, std::uint32_t first, std::uint32_t second);
@@ -38,8 +38,8 @@ class PlacedBoxes {
   const PlacedBox& placed(const ObjectRows& rows, std::uint32_t slot);
 
   std::vector<PlacedBox> boxes_;
-  std::vector<std::uint32_t> slots_;    // of boxes_
-  std::vector<std::uint32_t> numbers_;  // in boxes_, by slot
+  std::vector<std::uint32_t> slots_;    // slots of boxes_
+  std::vector<std::uint32_t> numbers_;  // indexes into boxes_, by slot
 };
 
 }  // namespace collided::engine

@@ -34,7 +34,8 @@ void Decisions::decide_scene(std::uint32_t mover, std::size_t scene_number) {
   if (lists_.part_touches.list().empty() && is_bare_mesh(mover)) look_for_gap(mover, scene, partner_of(scene_number));
 }
 
-/// All contacts of the mover and a part on the way to its pose. False: they have none that the pose does not show.
+/// Reports all contacts of the mover and a part before it reaches its pose. False: they have none besides that at the
+/// pose.
 bool Decisions::decide_part(std::uint32_t mover, const StaticScene& scene, const PartContact& found,
                             const SweptContact* sweep, const WithinSolid& within) {
   const std::uint32_t part = slot_of(scene.part_objects[found.part]);
@@ -53,7 +54,7 @@ bool Decisions::decide_part(std::uint32_t mover, const StaticScene& scene, const
                           is_met ? &met : nullptr);
 }
 
-/// Tests the mover at a frame against the part of the piece, as Decisions::touch_at.
+/// Tests the mover at a frame against the part of the piece, like Decisions::touch_at.
 ContactSearch Decisions::touch_part(const PairPiece& piece, const Frame& frame, WithinSolid* within) {
   const bool is_turned = rows_.info(piece.a)->scene_part != kNoScenePart;
   const std::uint32_t mover = is_turned ? piece.b : piece.a;
@@ -104,8 +105,8 @@ SweptContact Decisions::sweep_part_piece(const PairPiece& piece, const TimeSpan&
   return is_turned ? turned_round(touch) : touch;
 }
 
-/// Collects the parts that the mover touches at its pose; `only`: of them this one. Far from the world's origin both are
-/// tested as seen from the mover's place.
+/// Collects the parts that the mover touches at its pose; with `only`, just this one. Far from the world's origin both
+/// are tested as seen from the mover's place.
 ///
 /// touches  empty
 void Decisions::touch_scene(const Placed& a, const StaticScene& scene, PartContacts& touches, std::uint32_t only) {
@@ -152,7 +153,7 @@ bool Decisions::is_sweepable(const ObjectInfo& mover, const StaticScene& scene, 
          !ledger_.holds(std::min(mover.id, id), std::max(mover.id, id));
 }
 
-/// The sweep of a part, begun if there is none; the reference is valid until the next call.
+/// The sweep of a part, started if there is none; the reference is valid until the next call.
 SweptContact& Decisions::part_sweep(std::uint32_t part) {
   if (lists_.part_sweeps.empty() || lists_.part_sweeps.back().part != part) {
     const auto found = std::find_if(lists_.part_sweeps.begin(), lists_.part_sweeps.end(),
@@ -188,7 +189,7 @@ void Decisions::sweep_parts(std::uint32_t mover, const StaticScene& scene) {
     sweep.touch.b_triangle -= sweep.touch.yes ? scene.parts[sweep.part].first_triangle : 0;
 }
 
-/// The contacts' points count from common_origin(scene, a.frame).
+/// The contacts' points are relative to common_origin(scene, a.frame).
 void Decisions::touch_scene_with_mesh(const Placed& a, const StaticScene& scene, PartContacts& touches,
                                       std::uint32_t only) {
   std::size_t open_parts = only == kNoScenePart ? 0 : 1;

@@ -60,7 +60,7 @@ bool SeparationCache::holds(std::uint32_t slot, std::uint32_t partner) const {
     if (now[i].placements != pair->placements[i]) return false;
     gone_m += now[i].gone_m - pair->gone_m[i];
   }
-  // Covers two differences and their sum, one rounding each. False where anything is infinite.
+  // Covers two differences and their sum, one rounding each. False if anything is infinite.
   return gone_m * (1 + kFewSlack) < pair->gap_m;
 }
 

@@ -49,8 +49,8 @@ bool SharedDecisions::settle() {
   return !is_over_;
 }
 
-/// Whether at any item of the block one thread may have found a limit reached: that of contacts, of candidates, or of how
-/// long ways are searched. Looks are counted until then, and never fewer are left than one search may take.
+/// True if one thread may have reached a limit at any item of the block: that of contacts, of candidates, or of tests
+/// along motions. The latter counts as reached once fewer tests are left than one search may make.
 bool SharedDecisions::may_reach_limits(const StepBlock& block) const {
   const std::uint64_t most = step_.options.max_contacts;
   const std::uint64_t contacts = std::uint64_t{cost_.contacts} + block.cost.contacts;

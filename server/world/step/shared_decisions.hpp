@@ -7,10 +7,9 @@
 
 namespace collided::engine {
 
-/// The items of a step that all its threads decide: in blocks, at once, each against the ledger as it was before. Then the
-/// blocks are applied in their order, so that ledger, events and costs are those of one thread that decides one item after
-/// the other. Where a limit of the whole step may have come up within a block, its items are decided again, one after the
-/// other.
+/// The items of a step that all its threads decide, in blocks at the same time, each against the ledger as it was
+/// before. Then the blocks are applied in order, so that ledger, events and costs equal those of a single thread. If a
+/// limit of the whole step may have been reached within a block, its items are decided again, one by one.
 ///
 /// threads  the world's
 class SharedDecisions {
@@ -19,11 +18,11 @@ class SharedDecisions {
   SharedDecisions(const StepView& step, ContactLedger& ledger, SeparationCache& apart, DecisionLists& lists,
                   StepCost& cost, StepPool* pool, StepBlocks& blocks);
 
-  /// Whether there are so many items that it pays to wake the other threads.
+  /// True if there are enough items to wake the other threads.
   bool is_worth(std::size_t decided) const { return decided >= step_.options.step_alone; }
-  /// Hands an item over. False: the step has found all that it may, and ends its search.
+  /// Adds an item. False: a limit of the step is reached, and its search ends.
   bool add(const StepItem& item);
-  /// Decides and applies all that was handed over. False as in add().
+  /// Decides and applies all added items. False as in add().
   bool settle();
 
  private:
@@ -40,7 +39,7 @@ class SharedDecisions {
   StepPool* const pool_;
   StepBlocks& blocks_;
   std::size_t begun_ = 0;  // blocks with items
-  bool is_begun_ = false;  // the pool knows of this step
+  bool is_begun_ = false;  // the pool has begun this step
   bool is_over_ = false;   // there is no room for more
 };
 

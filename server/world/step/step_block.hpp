@@ -11,15 +11,15 @@
 
 namespace collided::engine {
 
-/// What a step decides at a time: two objects, or a mover and a static scene.
+/// One item of a step's work: two objects, or a mover and a static scene.
 struct StepItem {
   static constexpr std::uint32_t kPair = 0xffffffff;
-  std::uint32_t first = 0;  // slot; of a scene the mover's
+  std::uint32_t first = 0;  // slot; the mover's if with a scene
   std::uint32_t second = 0;
   std::uint32_t scene = kPair;  // its number, or kPair
 };
 
-/// One change of the ledger that a decision found, to be made later.
+/// A recorded change of the ledger, made later.
 struct LedgerWrite {
   enum class Kind : std::uint8_t {
     touches,
@@ -31,12 +31,12 @@ struct LedgerWrite {
     touched_and_parted
   };
   Kind kind = Kind::touches;
-  EndReason reason = EndReason::none;  // of parts and changes_containment
+  EndReason reason = EndReason::none;  // for parts and changes_containment
   Doubt why = Doubt::none;
-  FoundContact found;  // of parts, changes_containment and decided_apart: the pair, the bracket and `contained`
+  FoundContact found;  // for parts, changes_containment and decided_apart: only the pair, the bracket and `contained`
 };
 
-/// A run of a step's items that one thread decides, and what it has found, in their order.
+/// A run of a step's items that one thread decides, and its findings in order.
 struct StepBlock {
   static constexpr std::size_t kMost = 64;  // items
 
@@ -53,7 +53,7 @@ struct StepBlock {
   }
 };
 
-/// As many as are under way at a time: what they have found takes some megabytes at most.
+/// Limit of blocks in progress: their findings take some megabytes at most.
 using StepBlocks = std::array<StepBlock, 256>;
 
 }  // namespace collided::engine

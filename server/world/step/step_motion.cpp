@@ -28,8 +28,8 @@ MotionTimes motion_times(const ObjectRow& row, bool is_new, const Source* source
 
 namespace {
 
-/// How far the motions of a sphere's centre and of its frame's origin may differ, metres: the exact sweep subtracts that of
-/// the origin.
+/// How far the motions of a sphere's centre and of its frame's origin may differ, metres: the exact sweep subtracts
+/// that of the origin.
 double strayed_m(const ObjectRow& row, const BallMotion& ball) {
   const Vec3 of_origin = row.pose.position - row.pose_before.position;
   const double rounding_m = kRoundoff * (row.pose.position.lpNorm<1>() + row.pose_before.position.lpNorm<1>() +
@@ -71,19 +71,19 @@ void StepMotion::begin_step(const Sources& sources, SeparationCache& apart) {
   note_changed(widened_);
 }
 
-/// As many changes as there are objects have the index rebuilt; to name more would take memory alone.
+/// As many changes as objects cause the index to be rebuilt, so more need not be listed.
 void StepMotion::note_changed(const std::vector<std::uint32_t>& slots) {
   if (changed_.size() < rows_.row_count()) changed_.insert(changed_.end(), slots.begin(), slots.end());
 }
 
-/// Sets the bounds of an object's motion, and whether it is to be swept.
+/// Sets the bounds of an object's motion, and whether it is swept.
 void StepMotion::take_motion(std::uint32_t slot, const std::optional<MovingSphere>& path, const Aabb& at_end) {
   const ObjectRow& row = rows_[slot];
   swept_[slot] = 0;
   bounds_[slot] = at_end;
   if (path) bounds_[slot].extend(engine::bounds(Sphere{path->start, path->radius_m}));
   if (rows_.motion(slot) != Motion::moved || row.is_lone_sphere()) return;
-  // Of two equal rotations it does not matter which they are.
+  // If both rotations are equal, any rotation will do.
   const Frame now = row.has_rotation_before() ? Frame{.position = row.pose.position} : row.frame();
   const Frame before = row.frame_before(now);
   if (before.rotation != now.rotation) swept_[slot] = kMoves | kTurns;
@@ -92,7 +92,7 @@ void StepMotion::take_motion(std::uint32_t slot, const std::optional<MovingSpher
   bounds_[slot] = quick_bounds(*rows_.info(slot), before, now, at_end, row.reach_m);
 }
 
-/// Objects whose source fell behind the floor are tested against all sources again.
+/// Tests objects against all sources again if their source fell behind the floor.
 void StepMotion::begin_anew(const Sources& sources) {
   for (std::uint32_t slot = 0; slot < rows_.size(); ++slot) {
     const std::uint32_t source = rows_.source(slot);
@@ -111,7 +111,7 @@ void StepMotion::end_step(std::int64_t floor_ns) {
 
 namespace {
 
-/// As bounds(info, path, reach_m) of an object that is a sphere, whose bounds at the end are known.
+/// Same as bounds(info, path, reach_m) for a sphere with known bounds at the end.
 Aabb bounds_of_way(const Sphere& sphere, const BodyMotion& path, const Aabb& at_end) {
   const Aabb at_begin = engine::bounds(place(path.from, sphere));
   Aabb all = grown(at_begin, placing_error_of(path.from, sphere));
@@ -121,14 +121,14 @@ Aabb bounds_of_way(const Sphere& sphere, const BodyMotion& path, const Aabb& at_
 
 }  // namespace
 
-/// Of a sphere about its frame's origin, from the bounds of its motion: what segment_of() gives of any object, but for
-/// slightly wider bounds.
+/// Same as segment_of(), up to slightly wider bounds, for a sphere around its frame's origin, from the bounds of its
+/// motion.
 void set_ball_way(const ObjectRow& row, const Aabb& all_along, MotionSegment& segment) {
   segment.to = row.frame();
   segment.from = {.rotation = segment.to.rotation, .position = placed_center(row.pose_before, Vec3::Zero())};
   const double farthest_m =
       segment.from.position.cwiseAbs().maxCoeff() + segment.to.position.cwiseAbs().maxCoeff() + row.lone_radius_m;
-  // Once more than bounds() adds, which covers that these sums round.
+  // One more than bounds() adds, which covers the rounding of these sums.
   const Vec3 margin_m = Vec3::Constant(3 * kWayError * farthest_m);
   segment.bounds = {.low = all_along.low - margin_m, .high = all_along.high + margin_m};
 }
@@ -194,7 +194,7 @@ void StepMotion::set_ball(std::uint32_t slot, const std::optional<MovingSphere>&
   ball.radius_m += 2 * placing_error_m(row.frame(), sphere) + (path ? strayed_m(row, ball) : 0);
 }
 
-/// The separation cache depends on how far meshes move; a placed triangle is off by a rounding at either end.
+/// Records how far meshes move, for the separation cache; a placed triangle is off by a rounding at either end.
 void StepMotion::count_motion(std::uint32_t slot, SeparationCache& apart) const {
   if (apart.size() == 0) return;  // a pair that is remembered later counts from then on
   const ObjectInfo* info = rows_.info(slot);

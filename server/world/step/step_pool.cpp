@@ -20,7 +20,7 @@ void StepPool::begin_step(Decide decide, std::size_t slot_count) {
   try {
     while (threads_.size() < helpers_) threads_.emplace_back([this] { run(); });
   } catch (const std::exception&) {
-    // Without room or memory for more, the world's thread and those that run decide all blocks.
+    // Without resources for more threads, the world's thread and the running ones decide all blocks.
   }
   const std::lock_guard lock(mutex_);
   ++step_;
@@ -49,7 +49,7 @@ void StepPool::finish(DecisionLists& own_lists) {
   if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
 }
 
-/// What one thread threw goes out of finish(), once the others are done with their blocks.
+/// An exception of one thread leaves finish(), once the others are done with their blocks.
 void StepPool::decide_or_fail(StepBlock& block, DecisionLists& lists) {
   try {
     decide_(block, lists);

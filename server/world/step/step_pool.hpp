@@ -14,7 +14,7 @@
 
 namespace collided::engine {
 
-/// Threads that decide blocks of a step beside the world's. They sleep while there is none.
+/// Helper threads that decide blocks of a step. They sleep while there is none.
 ///
 /// threads  all but the constructor and destructor: the world's
 class StepPool {
@@ -22,17 +22,17 @@ class StepPool {
   /// Decides a block; `lists` are the thread's own, with this step's boxes.
   using Decide = std::function<void(StepBlock& block, DecisionLists& lists)>;
 
-  /// The threads are started with the first step that is shared.
+  /// The threads start with the first shared step.
   explicit StepPool(unsigned helpers) : helpers_(helpers) {}
   ~StepPool();
   StepPool(const StepPool&) = delete;
   StepPool& operator=(const StepPool&) = delete;
 
-  /// Before the first block of a step.
+  /// Call before the first block of a step.
   void begin_step(Decide decide, std::size_t slot_count);
-  /// Has a block decided. It and what it reads must stay as they are until finish().
+  /// Queues a block. The block and the data that it reads must not change until finish().
   void push(StepBlock& block);
-  /// Decides with the others until all blocks are done. Throws what deciding one of them threw.
+  /// Takes part in deciding until all blocks are done. Rethrows an exception thrown while deciding.
   void finish(DecisionLists& own_lists);
 
  private:
@@ -40,7 +40,7 @@ class StepPool {
   void decide_or_fail(StepBlock& block, DecisionLists& lists);
 
   const unsigned helpers_;
-  std::mutex mutex_;  // for all but threads_
+  std::mutex mutex_;  // guards all but threads_
   std::condition_variable came_;
   std::condition_variable done_;
   std::deque<StepBlock*> waiting_;

@@ -11,7 +11,7 @@
 
 namespace collided::engine {
 
-/// What a step reads while it decides; none of it changes meanwhile.
+/// Data that a step reads while it decides; nothing changes it meanwhile.
 struct StepView {
   const ObjectRows& rows;
   const StepMotion& motion;
@@ -20,7 +20,7 @@ struct StepView {
   const WorldOptions& options;
   StepOptions step_options;
   std::int64_t world_time_ns;
-  bool looks_at_all;  // test pairs at rest as well, since the last search was cut short
+  bool looks_at_all;  // test pairs at rest as well, because the last search was cut short
 
   double seconds_ago(std::int64_t time_ns) const {
     return static_cast<double>(world_time_ns - time_ns) * wire_contract::kNanosecond_s;

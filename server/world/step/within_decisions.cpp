@@ -1,4 +1,4 @@
-// Declared solids: what lies in one touches it, though their surfaces do not meet.
+// Declared solids: an object inside one touches it, though their surfaces do not meet.
 
 #include <algorithm>
 #include <utility>
@@ -9,7 +9,7 @@
 namespace collided::engine {
 namespace {
 
-/// Puts the contact of an inner object into a search whose b it is, or whose a where `is_turned`.
+/// Adds the contact of an inner object to a search in which it is b, or a if `is_turned`.
 void take_within(const ContactWithin& found, bool is_turned, ContactSearch& touch) {
   touch.contact = found.contact;
   touch.a_triangle = touch.b_triangle = kNoTriangle;
@@ -19,7 +19,7 @@ void take_within(const ContactWithin& found, bool is_turned, ContactSearch& touc
 
 }  // namespace
 
-/// Adds to a search that found no surfaces that meet what lies in a solid. True: all of the inner object does.
+/// Adds containment in a solid to a search that found no meeting surfaces. True: the whole inner object lies inside.
 bool Decisions::look_in(const Placed& outer, const Placed& inner, std::span<const Vec3> points, bool is_turned,
                         ContactSearch& touch) {
   if (touch.yes || !overlaps(outer.bounds, inner.bounds)) return false;
@@ -40,7 +40,7 @@ Contained Decisions::look_within(const Placed& a, const Placed& b, ContactSearch
   return Contained::none;
 }
 
-/// Adds to part_touches the parts of the scene that hold the mover, and those that it holds.
+/// Adds to part_touches the parts of the scene that contain the mover, and those that it contains.
 void Decisions::look_within_scene(const Placed& a, const StaticScene& scene) {
   lists_.parts_within.clear();
   for (const SolidPart& part : scene.solid_parts) {
@@ -78,7 +78,7 @@ void Decisions::look_within_part(const Placed& a, const StaticScene& scene, std:
   lists_.parts_within.push_back({part, contained});
 }
 
-/// Of a mover and a part whose surfaces do not touch: which lies within the other; a is the mover.
+/// For a mover and a part whose surfaces do not touch: which lies within the other; a is the mover.
 Contained Decisions::look_within_part_at(const Placed& a, const StaticScene& scene, std::uint32_t part,
                                          ContactSearch& touch) {
   Placed other = placed(slot_of(scene.part_objects[part]));
@@ -89,8 +89,8 @@ Contained Decisions::look_within_part_at(const Placed& a, const StaticScene& sce
   return look_in(a, other, pieces.points, false, touch) ? Contained::b_in_a : Contained::none;
 }
 
-/// Of a contact on common time that goes on: when one of the two came to lie within the other, which is when their
-/// surfaces parted, or when it no longer did.
+/// For a continuing contact on common time: when one of the two came to lie within the other, which is when their
+/// surfaces separated, or when it no longer did.
 void Decisions::set_change_of_containment(const PairPiece& piece, FoundContact& found) {
   const Contained before = ledger_.contained(found.a, found.b);
   if (before == found.contained) return;
