@@ -12,7 +12,7 @@
 namespace collided::engine {
 namespace {
 
-constexpr std::size_t kKept = 1'024;  // events and contacts: room for so many is not given back
+constexpr std::size_t kKept = 1'024;  // events and contacts: room for this many is not given back
 
 template <class T>
 bool has_far_more_room(const std::vector<T>& list) {
@@ -47,7 +47,7 @@ OpenContact ContactLedger::doubted(const FoundContact& found, Doubt why) const {
 }
 
 void ContactLedger::begin_step(std::int64_t world_time_ns, bool persisted_wanted) {
-  // A crowd's first step begins all its contacts at once, and contacts go with those who had them.
+  // Give back memory after peaks: the first step of a large world begins all its contacts at once.
   if (has_far_more_room(events_)) events_ = std::vector<Event>();
   if (has_far_more_room(open_)) {
     open_.shrink_to_fit();
@@ -82,7 +82,7 @@ void ContactLedger::touches(const FoundContact& found) {
   if (has_lost(found.a, found.b)) return doubts(found, Doubt::publisher_lost);
   std::uint32_t number = number_of(found.a, found.b);
   if (number != PairIndex::kNone && is_doubt(number)) {
-    // A contact is found where there was a doubt: the doubt ends as decided.
+    // A contact is found for a pair in doubt: the doubt ends as decided.
     end(number, {EndReason::decided, found.bracket_low_s, found.bracket_high_s});
     number = PairIndex::kNone;
   }
@@ -118,7 +118,7 @@ void ContactLedger::open(const OpenContact& opened, const FoundContact& found) {
   changes_containment(number, to, {EndReason::none, found.parted_low_s, found.parted_high_s});
 }
 
-/// Tells of a contact that holds when one of the two came to lie within the other, or no longer does.
+/// Reports that in an open contact one object came to lie within the other, or no longer does.
 void ContactLedger::changes_containment(std::uint32_t number, Contained to, const ContactEnd& when) {
   OpenContact& open = open_[number];
   if (open.doubt != Doubt::none || open.contained == to) return;
@@ -189,7 +189,7 @@ void ContactLedger::decided_apart(ObjectId a, ObjectId b, double bracket_low_s, 
     end(number, {EndReason::decided, bracket_low_s, bracket_high_s});
 }
 
-/// The contact is computed again: where and how deep, without an event.
+/// Updates place and depth of a contact, without an event.
 void ContactLedger::goes_on(std::uint32_t number, const FoundContact& found) {
   OpenContact& open = open_[number];
   mark_found(number);
@@ -287,7 +287,7 @@ void ContactLedger::retell_unsure(const std::function<bool(const OpenContact&)>&
   }
 }
 
-/// Joins each end to the beginning of another object that is nearest at once.
+/// Joins each end to the beginning for the object that becomes nearest at the same time.
 void ContactLedger::join_nearest() {
   for (std::size_t i = 0; i + 1 < events_.size(); ++i) {
     Event& event = events_[i];
@@ -300,10 +300,9 @@ void ContactLedger::join_nearest() {
 }
 
 void ContactLedger::finish_step() {
-  // Contacts from before this step end first: an object that was defined anew has another id, and a client that knows
-  // it by its name must hear of the old one's end before the new one's beginning. A contact that begins and ends in
-  // this step does so in that order, which stable sorting keeps.
-  // So does what such a contact went through before its end.
+  // Contacts from before this step end first, with all their changes: a redefined object has another id, and a client
+  // that knows it by name must receive the old one's end before the new one's beginning. A contact that begins and ends
+  // in this step does so in that order, which stable sorting keeps.
   ended_episodes_.clear();
   for (const Event& event : events_) {
     if (event.kind == EventKind::ended && event.of.episode != 0) ended_episodes_.push_back(event.of.episode);
@@ -314,15 +313,15 @@ void ContactLedger::finish_step() {
     return (e.kind == EventKind::contained || e.kind == EventKind::emerged) &&
            std::binary_search(ended_episodes_.begin(), ended_episodes_.end(), e.of.episode);
   };
-  // Who was nearest, and who came in its place, are told last, each question's in the order in which they were found.
+  // Changes of the nearest come last, those of each question in the order in which they were found.
   const auto place = [&](const Event& e) {
     const bool is_nearest = is_nearest_question(e.of.b);
     return std::tuple(is_nearest, is_nearest || !is_old_end(e), is_nearest ? 0 : e.of.a, e.of.b);
   };
   std::stable_sort(events_.begin(), events_.end(), [&](const Event& x, const Event& y) { return place(x) < place(y); });
   if (is_of_fences_) join_nearest();
-  // A pair may begin several times in a step: an end takes the last beginning before it, an open contact the last of
-  // all.
+  // A pair may begin several times in a step: an end belongs to the last beginning before it, an open contact to the
+  // last of all.
   const std::uint64_t last_before = last_sequence_;
   std::uint64_t passing_episode = 0;
   bool is_joined = false;

@@ -22,18 +22,18 @@ struct FoundContact {
   std::uint32_t a_triangle = kNoTriangle;
   std::uint32_t b_triangle = kNoTriangle;
   Contact contact;
-  std::optional<Contact> surface = {};  // where it is not the same
+  std::optional<Contact> surface = {};  // only if it differs from `contact`
   double bracket_low_s = 0;  // begin of the contact, seconds before the step's world time: between high and low
   double bracket_high_s = 0;
   Contained contained = Contained::none;
-  // where the two, or of a contact that begins contained their surfaces, parted again within the step
+  // set if the two (for a contact that begins contained: their surfaces) separated again within the step
   double parted_low_s = 0;
   double parted_high_s = 0;
-  Vec3 relative_velocity = Vec3::Zero();  // of b against a at the contact's point
+  Vec3 relative_velocity = Vec3::Zero();  // velocity of b relative to a at the contact's point
   double velocity_error = 0;              // |truth - relative_velocity| <= velocity_error
 };
 
-/// Sets b's velocity against a from those of the two points; the error covers the roundings of this difference.
+/// Sets b's velocity relative to a from those of the two points; the error covers the rounding of the difference.
 inline void set_velocity(FoundContact& found, const BodyMotion::PointVelocity& of_a,
                          const BodyMotion::PointVelocity& of_b) {
   found.relative_velocity = of_b.mps - of_a.mps;
@@ -54,36 +54,36 @@ struct ContactEnd {
 /// threads  the writer's only
 class ContactLedger {
  public:
-  /// of_fences: its pairs are an object a and a fence b in which it is.
+  /// of_fences: its pairs are an object a and a fence b that contains it.
   explicit ContactLedger(bool of_fences = false) : is_of_fences_(of_fences) {}
 
-  /// Sets which pairs are allowed to touch: what is found of them is no contact. Empty: none.
+  /// Sets which pairs are allowed to touch: their contacts are ignored. Empty: none.
   void set_allowed(std::function<bool(ObjectId, ObjectId)> is_allowed) { is_allowed_ = std::move(is_allowed); }
-  /// Sets which objects have flat faces, by their ids; an object's answer must stay the same. Empty: none.
+  /// Sets which objects have flat faces, by id; the answer for an object must not change. Empty: none.
   void set_has_faces(std::function<bool(ObjectId)> has_faces) { has_faces_ = std::move(has_faces); }
-  /// Ends the contacts and doubts of pairs that are allowed to touch by now.
+  /// Ends the contacts and doubts of pairs that have become allowed to touch.
   void end_allowed();
-  /// Starts a step: drops the last step's events. persisted_wanted: touches() writes an event for what continues.
+  /// Starts a step: drops the last step's events. persisted_wanted: touches() writes an event for continuing contacts.
   void begin_step(std::int64_t world_time_ns, bool persisted_wanted);
   /// The pair touches at the end of this step.
   void touches(const FoundContact& found);
-  /// A contact that holds ends.
+  /// Ends an open contact.
   void parts(ObjectId a, ObjectId b, EndReason reason, double bracket_low_s, double bracket_high_s);
-  /// Of a contact that holds: one of the two came to lie within the other, or no longer does.
+  /// In an open contact, one object came to lie within the other, or no longer does.
   void changes_containment(ObjectId a, ObjectId b, Contained to, const ContactEnd& when) {
     changes_containment(number_of(a, b), to, when);
   }
-  /// It is not known whether the pair touches; an open contact or doubt of it stays as reported. found.contact is none.
+  /// It is unknown whether the pair touches; an open contact or doubt of it stays as reported. found.contact is `none`.
   void doubts(const FoundContact& found, Doubt why);
-  /// It was not known whether the pair touched within this step; it is apart at the step's end.
+  /// It was unknown whether the pair touched within this step; it is apart at the step's end.
   void doubted_and_parted(const FoundContact& found, Doubt why);
-  /// The object's publisher is lost, and the object may have moved on: whatever touches its last pose, now or later, is
+  /// The object's publisher is lost, and the object may have moved on. Whatever touches its last pose, now or later, is
   /// in doubt until the publisher is found again and the pair is decided, or the object is removed.
   void lose(ObjectId object);
   void find_again(ObjectId object) { lost_.erase(object); }
-  /// The pair is in doubt because an object was lost, and neither is lost any more.
+  /// True if the pair is in doubt because an object was lost, and neither is lost any more.
   bool is_found_again(ObjectId a, ObjectId b) const;
-  /// A doubt ends: the two are apart.
+  /// Ends a doubt: the two are apart.
   void decided_apart(ObjectId a, ObjectId b, double bracket_low_s, double bracket_high_s);
   /// The pair touched within this step and is apart again at its end.
   ///
@@ -92,7 +92,7 @@ class ContactLedger {
   /// Ends every contact of the object.
   void end_object(ObjectId object, EndReason reason);
   /// Ends every contact of these objects that was not found again in this step and for which end_of(contact).reason is
-  /// not `none`. Costs what these objects' contacts cost, however many others there are.
+  /// not `none`. The cost depends only on the number of these objects' contacts.
   template <class EndOf>
   void end_unfound(std::span<const std::uint32_t> slots, EndOf&& end_of) {
     endings_.clear();
@@ -104,7 +104,7 @@ class ContactLedger {
     };
     for (const std::uint32_t slot : slots) links_.for_each(slot, look_at);
     for (const Ending& ending : endings_) {
-      // Where both objects are named, the contact stands here twice.
+      // If both objects are named, the contact is listed twice.
       const std::uint32_t number = number_of(ending.pair.a, ending.pair.b);
       if (number != PairIndex::kNone) end(number, ending.end);
     }
@@ -112,16 +112,16 @@ class ContactLedger {
   /// Replaces the surface of a contact found in this step; retell_corrected() writes it into the events.
   void correct(std::size_t index, const Contact& surface) { open_[index].surface = surface; }
   void retell_corrected();
-  /// Has contacts that ended in this step end as `removed` instead of as parted, where is_unsure(contact) says that the two
-  /// may touch elsewhere.
+  /// Changes the end of contacts that ended in this step from separation to `removed` if is_unsure(contact), that is,
+  /// if the two may touch elsewhere.
   void retell_unsure(const std::function<bool(const OpenContact&)>& is_unsure);
   /// Orders and numbers this step's events.
   void finish_step();
 
   bool holds(ObjectId a, ObjectId b) const;
-  /// Prefetches where holds() looks first.
+  /// Prefetches the first entry that holds() reads.
   [[gnu::always_inline]] void prefetch(ObjectId a, ObjectId b) const { index_.prefetch(a, b); }
-  /// Prefetches the contact of the two, if there is one; looks it up, so prefetch() should have been called some time ago.
+  /// Prefetches the contact of the two, if there is one. Looks it up, so call prefetch() some time before.
   [[gnu::always_inline]] void prefetch_contact(ObjectId a, ObjectId b) const {
     const std::uint32_t number = index_.guess(a, b);
     if (number != PairIndex::kNone) prefetch_contact(number);
@@ -131,40 +131,41 @@ class ContactLedger {
     for (std::size_t byte = 0; byte < sizeof(OpenContact); byte += 64) __builtin_prefetch(contact + byte);
     __builtin_prefetch(&found_in_step_[number]);
   }
-  /// The contact or doubt of the two, valid until the next change; null: there is none.
+  /// The contact or doubt of the two, valid until the next change; null if there is none.
   const OpenContact* find(ObjectId a, ObjectId b) const {
     const std::uint32_t number = number_of(a, b);
     return number == PairIndex::kNone ? nullptr : &open_[number];
   }
   bool is_in_doubt(ObjectId a, ObjectId b) const;
-  /// Which of the two was within the other when their contact was last found; none where they have none.
+  /// Which of the two was within the other when their contact was last found; none if they have none.
   Contained contained(ObjectId a, ObjectId b) const;
-  /// The pair holds or is in doubt.
+  /// True if the pair is in contact or in doubt.
   bool is_open(ObjectId a, ObjectId b) const { return number_of(a, b) != PairIndex::kNone; }
-  /// The pair is allowed to touch. Not thread-safe where any is.
+  /// True if the pair is allowed to touch. Not thread-safe if any pair is.
   bool passes(ObjectId a, ObjectId b) const { return is_allowed_ && is_allowed_(a, b); }
-  /// One of the two is lost: whatever is found of them is in doubt.
+  /// True if one of the two is lost: then any contact found is in doubt.
   bool has_lost(ObjectId a, ObjectId b) const { return !lost_.empty() && (lost_.contains(a) || lost_.contains(b)); }
-  /// What a found contact, or a doubt of it, is when it begins.
+  /// The state of a found contact, or of a doubt, when it begins.
   OpenContact opened(const FoundContact& found) const;
   OpenContact doubted(const FoundContact& found, Doubt why) const;
   std::size_t doubt_count() const { return doubt_count_; }
   /// Whether open()[index] was found in this step.
   bool found(std::size_t index) const { return found_in_step_[index] == step_; }
-  /// How many contacts at flat faces the object in that slot has: with bodies that have some, without doubt, and with
-  /// neither of the two within the other. Costs nothing, however many there are.
+  /// Number of the object's certain contacts at flat faces, with bodies that have some, and with neither object within
+  /// the other. Constant time.
   std::uint32_t face_count(std::uint32_t slot) const { return links_.face_count(slot); }
-  /// Calls visit(index into open()) for these, until one returns false.
+  /// Calls visit(index into open()) for these contacts, until one call returns false.
   template <class Visit>
   void for_each_at_faces(std::uint32_t slot, Visit&& visit) const {
     links_.for_each_at_faces(slot, visit);
   }
-  /// Calls visit(index into open()) for the contacts and doubts of the object in that slot, until one returns false.
+  /// Calls visit(index into open()) for the contacts and doubts of the object in that slot, until one call returns
+  /// false.
   template <class Visit>
   void for_each_of(std::uint32_t slot, Visit&& visit) const {
     links_.for_each(slot, visit);
   }
-  /// The same by the id, of an object or a fence.
+  /// The same by the id of an object or a fence.
   template <class Visit>
   void for_each_with(ObjectId id, Visit&& visit) const {
     links_.for_each(place_of(id), visit);
@@ -187,7 +188,7 @@ class ContactLedger {
     ContactEnd end;
   };
 
-  /// Where the contacts of an object or fence are linked.
+  /// Slot under which the contacts of an object or fence are linked.
   std::uint32_t place_of(ObjectId id) const {
     return is_of_fences_ ? 2 * slot_of(id) + (is_fence(id) ? 1 : 0) : slot_of(id);
   }
@@ -207,12 +208,12 @@ class ContactLedger {
   bool is_of_fences_ = false;
   std::vector<OpenContact> open_;
   std::vector<std::uint64_t> found_in_step_;  // step that last found open_[i]; parallel to open_
-  PairIndex index_;                           // of open_
-  ContactLinks links_;                        // of open_
+  PairIndex index_;                           // of the pairs in open_
+  ContactLinks links_;                        // of the contacts in open_
   std::vector<std::uint32_t> found_slots_;
-  std::vector<std::uint8_t> is_slot_found_;    // by slot: it is in found_slots_
+  std::vector<std::uint8_t> is_slot_found_;    // by slot: listed in found_slots_
   std::vector<Ending> endings_;                // reused from step to step
-  std::vector<std::uint64_t> ended_episodes_;  // likewise
+  std::vector<std::uint64_t> ended_episodes_;  // reused from step to step
   std::unordered_set<ObjectId> lost_;
   std::vector<Event> events_;
   std::uint64_t step_ = 0;

@@ -8,9 +8,9 @@
 
 namespace collided::engine {
 
-/// Which open contacts each object has: two-way lists through the contacts, so that what happens to one object costs
-/// its own contacts and not all of them. Contacts are known by number, objects by slot. Each object has two lists: its
-/// contacts at flat faces, and the others.
+/// The open contacts of each object: doubly linked lists through the contacts, so that a change of one object costs its
+/// own contacts only. Contacts are known by number, objects by slot. Each object has two lists: its contacts at flat
+/// faces, and the others.
 /// Always: the numbers are 0 .. count - 1.
 class ContactLinks {
  public:
@@ -22,7 +22,7 @@ class ContactLinks {
     bool meets_faces = false;  // the other one has flat faces
   };
 
-  /// The next number is the contact of these two. is_at_faces: see set_at_faces().
+  /// Adds the contact of these two under the next number. is_at_faces: see set_at_faces().
   void add(const LinkedSide& a, const LinkedSide& b, bool is_at_faces) {
     for (const LinkedSide& side : {a, b}) {
       if (side.slot >= lists_.size()) {
@@ -34,7 +34,7 @@ class ContactLinks {
       put_first(static_cast<std::uint32_t>(links_.size() - 1), side.meets_faces && is_at_faces);
     }
   }
-  /// Whether the contact counts as one at flat faces for those of its objects that meet any.
+  /// Sets whether the contact counts as one at flat faces, for each of its objects whose partner has flat faces.
   void set_at_faces(std::uint32_t number, bool is_at_faces) {
     for (const std::uint32_t link : {2 * number, 2 * number + 1}) {
       if (!links_[link].meets_faces || (links_[link].is_at_faces != 0) == is_at_faces) continue;
@@ -56,15 +56,16 @@ class ContactLinks {
     }
     links_.resize(links_.size() - 2);
   }
-  /// Gives memory back that most of the contacts took which are gone.
+  /// Gives back memory if most of it belonged to removed contacts.
   void give_back() {
     links_.shrink_to_fit();
     while (!lists_.empty() && lists_.back().first[0] == kNone && lists_.back().first[1] == kNone) lists_.pop_back();
     lists_.shrink_to_fit();
   }
-  /// How many contacts at flat faces the object has.
+  /// Number of the object's contacts at flat faces.
   std::uint32_t face_count(std::uint32_t slot) const { return slot < lists_.size() ? lists_[slot].face_count : 0; }
-  /// Calls visit(number) for these, the latest first, until one returns false; the visit must not add or remove any.
+  /// Calls visit(number) for these, the latest first, until one call returns false; the visit must not add or remove
+  /// any.
   template <class Visit>
   void for_each_at_faces(std::uint32_t slot, Visit&& visit) const {
     if (slot < lists_.size()) visit_from(lists_[slot].first[1], visit);
@@ -80,12 +81,12 @@ class ContactLinks {
   struct Link {
     std::uint32_t slot : 30 = 0;
     std::uint32_t meets_faces : 1 = 0;
-    std::uint32_t is_at_faces : 1 = 0;  // which list it stands in
+    std::uint32_t is_at_faces : 1 = 0;  // the list that holds it
     std::uint32_t before = kNone;
     std::uint32_t after = kNone;
   };
   struct LinkLists {
-    std::uint32_t first[2] = {kNone, kNone};  // of the others, of those at flat faces
+    std::uint32_t first[2] = {kNone, kNone};  // first of the other contacts, first of those at flat faces
     std::uint32_t face_count = 0;
   };
 
@@ -115,7 +116,7 @@ class ContactLinks {
   }
 
   std::vector<LinkLists> lists_;  // by slot
-  std::vector<Link> links_;       // two a contact, one for each object
+  std::vector<Link> links_;       // two per contact, one for each object
 };
 
 }  // namespace collided::engine

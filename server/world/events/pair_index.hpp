@@ -7,27 +7,27 @@
 
 namespace collided::engine {
 
-/// Numbers of the open contacts by their pair; the pairs themselves stand with the contacts.
+/// Numbers of the open contacts by their pair; the pairs themselves are stored with the contacts.
 class PairIndex {
  public:
   static constexpr std::uint32_t kNone = TagIndex::kNone;
 
-  /// The pair's number, or kNone. has_pair(number): whether that number belongs to the pair.
+  /// The pair's number, or kNone. has_pair(number): true if the number belongs to the pair.
   template <class HasPair>
   std::uint32_t find(ObjectId a, ObjectId b, HasPair&& has_pair) const {
     return index_.find(tag_of(a, b), has_pair);
   }
-  /// Prefetches where a pair's search begins. Always inline: the compiler leaves out calls of what only prefetches.
+  /// Prefetches the start of a pair's search. Always inline: the compiler drops calls of functions that only prefetch.
   [[gnu::always_inline]] void prefetch(ObjectId a, ObjectId b) const { index_.prefetch(tag_of(a, b)); }
-  /// The number that the pair has, if it is there; else kNone, or seldom another pair's.
+  /// The pair's number if it is there; else kNone, or seldom another pair's.
   std::uint32_t guess(ObjectId a, ObjectId b) const {
     return find(a, b, [](std::uint32_t) { return true; });
   }
-  /// The pair must not be there.
+  /// Adds a pair, which must not be there.
   void add(ObjectId a, ObjectId b, std::uint32_t number) { index_.add(tag_of(a, b), number); }
-  /// The pair must be there under this number.
+  /// Removes a pair, which must be there under this number.
   void remove(ObjectId a, ObjectId b, std::uint32_t number) { index_.remove(tag_of(a, b), number); }
-  /// The pair, which is there under the number `from`, gets the number `to`.
+  /// Replaces the number `from` of an existing pair by `to`.
   void renumber(ObjectId a, ObjectId b, std::uint32_t from, std::uint32_t to) {
     index_.renumber(tag_of(a, b), from, to);
   }

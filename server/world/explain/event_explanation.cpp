@@ -23,8 +23,8 @@ const ObjectInfo* find(const Snapshot& state, const std::string& name) {
   return found == state.objects.end() ? nullptr : found->get();
 }
 
-/// The stretch between two poses that holds the whole bracket; of the two stretches about a bracket that lies over a
-/// pose, both together.
+/// The motion between two poses that holds the whole bracket; if the bracket contains a pose, the motions before and
+/// after it together.
 std::optional<PoseMemory::Reach> motion_about(const PoseMemory& memory, ObjectId id, const RecentEvent& recent) {
   const std::optional<PoseMemory::RememberedPath> path = memory.path_of(id);
   if (!path) return std::nullopt;
@@ -36,10 +36,10 @@ std::optional<PoseMemory::Reach> motion_about(const PoseMemory& memory, ObjectId
   return about;
 }
 
-/// One of the two, at the time by which the change had happened.
+/// One of the two objects, at the time by which the change had happened.
 struct EventBody {
   ExplainedBody told;
-  std::uint64_t publisher = 0;  // 0: the server's own
+  std::uint64_t publisher = 0;  // 0: the server itself
   std::optional<PoseMemory::Reach> motion = {};
 };
 
@@ -84,7 +84,7 @@ std::string_view word_of_kind(EventKind kind, bool is_of_fence, ObjectId fence) 
   return name_of(kind);
 }
 
-/// What the event itself said. A band's fence has its margin, object and distance in its name, a line each.
+/// The content of the event itself. The name of a band's fence consists of margin, object and distance, a line each.
 ExplainedEvent told_event(const RecentEvent& recent, bool is_of_fence) {
   const Event& event = recent.event;
   ExplainedEvent told{.sequence = event.sequence,
@@ -136,7 +136,7 @@ void add_end_reason(const RecentEvent& recent, std::vector<std::string>& why) {
   }
 }
 
-/// A search narrows the bracket within the motions; without one all of them counts.
+/// The search that narrowed the bracket within the motions; without motion, all of them count.
 void add_search(std::span<const EventBody> bodies, const RecentEvent& recent, std::int64_t clock_ns,
                 std::vector<std::string>& why) {
   const std::int64_t width_ns = recent.high_ns() - recent.low_ns();

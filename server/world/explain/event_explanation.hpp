@@ -14,12 +14,12 @@ struct ExplainedEvent;
 
 namespace collided::engine {
 
-/// Explains an event of contacts, or of fences, by the memory of poses; all but the version is filled. That has a motion that
-/// no publisher said begin at another time than the step had it, so that of such motions there are no gaps.
+/// Explains an event of a contact or fence from the memory of poses; fills everything but the version. Some motions in
+/// that memory begin at another time than in the step, at one that no publisher gave; no gaps are reported for them.
 ///
 /// is_of_fence     its b is a fence
-/// clock_error_ns  by which publishers' clocks may differ, as WorldOptions has it
-/// name_of         a publisher's name; empty where it has none
+/// clock_error_ns  largest difference between publishers' clocks, as in WorldOptions
+/// name_of         returns a publisher's name; empty if it has none
 /// cost            two states of the past, and two reports on the pair
 /// threads         any
 ExplainedEvent explain_event(const PoseMemory& memory, const RecentEvent& recent, bool is_of_fence,

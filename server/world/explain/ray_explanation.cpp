@@ -24,12 +24,12 @@ namespace {
 using std::chrono::nanoseconds;
 
 constexpr double kEndless = std::numeric_limits<double>::infinity();
-/// Of one ray; each triangle of a mesh counts.
+/// Limit for one ray; each triangle of a mesh counts.
 constexpr std::uint32_t kMostHits = 100'000;
 
 const ObjectInfo& info_of(const Snapshot& snapshot, ObjectId id) { return *snapshot.objects[slot_of(id)]; }
 
-/// Which primitive of the object the hit is on, and by which rung: the nearest that the ray meets.
+/// Finds the primitive of the object that the ray meets first, and which arithmetic decided it.
 void find_part(const Ray& ray, const Snapshot& snapshot, const ObjectInfo& info, ExplainedMeeting& meeting) {
   double nearest_m = kEndless;
   for (std::size_t i = 0; i < info.primitives.size(); ++i) {
@@ -86,7 +86,7 @@ ExplainedMeeting meeting_of(const Ray& ray, const Snapshot& snapshot, const RayE
   return meeting;
 }
 
-/// One ray's answer in a mode.
+/// Answers one ray in a mode.
 Answers answered(const Snapshot& snapshot, Questions asked, HitMode mode) {
   asked.mode = mode;
   asked.max_hits = kMostHits;
@@ -118,7 +118,7 @@ void tell_answer(const Answers& answers, ExplainedRay& told) {
   told.uncovered = {.point = leaving.point, .covered_m = leaving.covered_m};
 }
 
-/// What would have come before the answer but for the filter.
+/// Lists what would have come before the answer without the filter.
 void tell_left_out(const Ray& ray, const Snapshot& snapshot, const RayExplanationAsk& ask, ExplainedRay& told) {
   Questions all = ask.questions();
   all.mask = 0xffffffff;

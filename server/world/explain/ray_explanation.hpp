@@ -16,16 +16,16 @@ struct ExplainedRay;
 
 namespace collided::engine {
 
-/// A ray that is to be explained, and what may answer it: as Questions has them.
+/// A ray to explain, and the filter of what may answer it, as in Questions.
 struct RayExplanationAsk {
-  std::array<double, kRayNumbers> numbers{};  // as question_columns() in idl/columns.hpp has them
+  std::array<double, kRayNumbers> numbers{};  // in the order of question_columns() in idl/columns.hpp
   std::uint32_t mask = 0xffffffff;
   std::string only;
   std::string skip;
   std::size_t most_misses = 3;
-  std::optional<ObjectId> why_not = {};  // told of in any case
+  std::optional<ObjectId> why_not = {};  // always explained
 
-  /// Refers to this.
+  /// The result refers to this object.
   Questions questions() const;
 };
 
@@ -33,12 +33,12 @@ struct RayExplanationAsk {
 /// scene's triangles.
 std::string_view kind_of(const ObjectInfo& info);
 
-/// Why the filter leaves the object out, a sentence; empty where it does not.
+/// The reason why the filter excludes the object, a sentence; empty if it does not.
 std::string why_left_out(const ObjectInfo& info, const RayExplanationAsk& ask);
 
-/// Explains a ray; its numbers keep the rules of rays (is_question()).
+/// Explains a ray; its numbers must satisfy the rules of rays (is_question()).
 ///
-/// cost     three answers to the ray, a look at each object's box, and a distance for each of the nearest misses; parts
+/// cost     three answers to the ray, a test of each object's box, and a distance for each of the nearest misses; parts
 ///          of scenes among these are indexed on the calling thread, once
 /// threads  any
 ExplainedRay explain_ray(const Snapshot& snapshot, const RayExplanationAsk& ask, PartMeshes& part_meshes,

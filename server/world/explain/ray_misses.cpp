@@ -15,11 +15,11 @@
 namespace collided::engine {
 namespace {
 
-constexpr double kRounding = 1e-12;  // of lengths that only order the search or bound it, far above what they lose
+constexpr double kRounding = 1e-12;  // relative; lengths that only order or bound the search lose far less
 
 bool is_finite(const Aabb& box) { return box.low.allFinite() && box.high.allFinite(); }
 
-/// A box around what of the object ends somewhere: all of it but its half-spaces.
+/// A box around the bounded parts of the object: all but its half-spaces.
 Aabb bounded_part(const Placed& object) {
   if (is_finite(object.bounds)) return object.bounds;
   Aabb box;
@@ -64,7 +64,7 @@ void RayMisses::look_at_boxes(const std::unordered_set<ObjectId>& met, Explained
   }
 }
 
-/// By the ball around the box; by the boxes where that says nothing.
+/// Lower bound by the ball around the box, or by the boxes if the ball gives none.
 double RayMisses::least_distance_m(const Aabb& box) const {
   if (!is_finite(box)) return 0;
   const Vec3 middle = 0.5 * (box.low + box.high) - ray_.origin;
@@ -75,7 +75,7 @@ double RayMisses::least_distance_m(const Aabb& box) const {
   return least_m > 0 ? least_m : 0;
 }
 
-/// No point of the ray beyond is nearer to the object.
+/// No point of the ray beyond this is nearer to the object.
 double RayMisses::reach_m(const Aabb& box) const {
   if (box.empty()) return 0;
   const Vec3 low = (box.low - ray_.origin).cwiseProduct(unit_);
@@ -92,7 +92,7 @@ void RayMisses::find(Deadline& deadline, ExplainedRay& told) {
   const std::string_view why_not = ask_.why_not ? snapshot_.objects[slot_of(*ask_.why_not)]->name : std::string_view();
   const bool is_told = std::any_of(told.left_out.begin(), told.left_out.end(),
                                    [&](const ExplainedMeeting& meeting) { return why_not == meeting.object; });
-  // Where some test was not decided, or not told, what meets the segment may meet the ray.
+  // If some test was undecided or not reported, whatever meets the segment may meet the ray.
   is_any_open_ = told.cut || told.reason == collided::UndecidedReason::numeric;
   for (const Passed& passed : passed_) {
     const bool is_asked_for = !is_told && ask_.why_not == members_.info(passed.number).id;
@@ -112,12 +112,12 @@ void RayMisses::find(Deadline& deadline, ExplainedRay& told) {
   if (asked_for) told.misses.push_back(*asked_for);
 }
 
-/// The distance of the object from the part of the ray that can be nearest to it; nothing beyond the limit.
+/// The distance of the object from the part of the ray that can be nearest to it; nothing if beyond the limit.
 std::optional<ExplainedMiss> RayMisses::miss_of(const Passed& passed, double limit_m, Deadline& deadline) {
   const Placed& object = members_.placed(passed.number, deadline);
   const double length_m = reach_m(bounded_part(object));
   const Vec3 end = ray_.origin + length_m * unit_;
-  // As that of a hit: the direction, the product and the sum are rounded.
+  // Same error as that of a hit: the direction, the product and the sum are rounded.
   const double end_error_m =
       (kPointOnRay * length_m + kPointSum * end.cwiseAbs().maxCoeff()) * (1 + kBoundSlack) + kUnderflow;
   ObjectInfo line;
@@ -141,7 +141,7 @@ std::optional<ExplainedMiss> RayMisses::miss_of(const Passed& passed, double lim
                      .box_met = passed.is_box_met,
                      .why_left_out = why_left_out(info, ask_)};
   if (found->touches == Decision::yes) {
-    // The exact test of the ray said no: the two are apart by no more than the segment is off.
+    // The exact ray test found no hit: the two are apart by no more than the segment's error.
     miss.verdict = is_any_open_ ? collided::Verdict::undecided : collided::Verdict::miss;
     miss.distance_m = 0;
     miss.error_m = placing_error_m(segment, kNoTriangle, object, kNoTriangle) + end_error_m;

@@ -24,19 +24,19 @@ class RayMisses {
  public:
   RayMisses(const Snapshot& snapshot, const RayExplanationAsk& ask, PartMeshes& part_meshes);
 
-  /// Counts the boxes that the ray meets, and what the filter leaves out.
+  /// Counts the boxes that the ray meets, and the objects that the filter excludes.
   ///
   /// met  objects that the ray meets
   void look_at_boxes(const std::unordered_set<ObjectId>& met, ExplainedRay& told);
-  /// Fills told.misses. To be called after look_at_boxes().
+  /// Fills told.misses. Call it after look_at_boxes().
   void find(Deadline& deadline, ExplainedRay& told);
 
  private:
   static constexpr double kNoLimit_m = std::numeric_limits<double>::infinity();
 
   struct Passed {
-    std::uint32_t number = 0;  // among the members
-    double at_least_m = 0;     // its distance
+    std::uint32_t number = 0;  // index among the members
+    double at_least_m = 0;     // lower bound on its distance
     bool is_box_met = false;
     bool is_left_out = false;
   };

@@ -17,7 +17,7 @@
 namespace collided::engine {
 namespace {
 
-/// A lower bound on the distance of what two boxes hold.
+/// A lower bound on the distance between the contents of two boxes.
 double least_distance_m(const Aabb& a, const Aabb& b) {
   const Vec3 gap = (a.low - b.high).cwiseMax(b.low - a.high).cwiseMax(0);
   return gap.norm() * (1 - kBoundSlack);
@@ -46,7 +46,7 @@ class StandingSearch {
 
  private:
   struct Outsider {
-    std::uint32_t number = 0;  // among the members
+    std::uint32_t number = 0;  // index among the members
     double at_least_m = 0;
     std::string why_not;
   };
@@ -57,7 +57,7 @@ class StandingSearch {
     explained_.world_time = std::chrono::nanoseconds(snapshot_.world_time_ns);
     explained_.version = snapshot_.version;
   }
-  /// False: its carrier is not there.
+  /// False if its carrier does not exist.
   bool place() {
     placed_ = {.info = &standing_.body, .frame = {}, .bounds = {}, .pose = &world_pose_};
     if (!standing_.rule.carrier.empty()) {
@@ -74,7 +74,7 @@ class StandingSearch {
     return true;
   }
   bool is_of_nearest() const { return standing_.rule.nearest.has_value(); }
-  /// What stands still fills a world; only what might have been meant is worth a look.
+  /// True for objects that the user can have meant: static objects are numerous, and never monitored.
   bool might_be_meant(const ObjectInfo& info) const {
     return info.moving || (is_of_nearest() && wire_contract::glob_matches(standing_.rule.only, info.name));
   }
@@ -89,7 +89,7 @@ class StandingSearch {
     const OpenContact* reported = reported_of(info.id);
     const bool is_asked_for = ask_.why_not == info.id;
     if (!why_not.empty() && !might_be_meant(info) && !is_asked_for && reported == nullptr) return;
-    // What the distances are to is at no distance.
+    // The reference object itself is at no distance.
     if (is_of_nearest() && info.name == standing_.rule.carrier && !is_asked_for) return;
     const std::uint32_t number = members_.add(info.id);
     if (reported != nullptr || is_asked_for) {
@@ -137,12 +137,12 @@ class StandingSearch {
     object->why_left_out = one.why_not;
     explained_.left_out.push_back(std::move(*object));
   }
-  /// What is left out is listed where it is in the region, or nearer than the nearest.
+  /// Excluded objects are listed if they are in the region, or nearer than the nearest.
   double left_out_limit_m() const {
     if (!is_of_nearest()) return 0;
     return explained_.holds.empty() ? standing_.rule.nearest->within_m : explained_.holds.front().clearance_m;
   }
-  /// Nothing where it is surely farther than the limit, or the deadline is over.
+  /// Nothing if the object is certainly farther than the limit, or the deadline is over.
   std::optional<ExplainedObject> object_of(std::uint32_t number, double limit_m, bool with_depth) {
     ExplainedObject object{.object = members_.info(number).name,
                            .clearance_m = kNoLimit_m,

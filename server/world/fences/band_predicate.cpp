@@ -11,12 +11,12 @@ namespace collided::engine {
 namespace {
 
 constexpr LookBudget kBandLooks{.most = 2'000, .of_step = 200'000, .least = 200};
-/// How far ahead a contact is predicted, and how wide its bracket is then, as a fraction of that.
+/// How far ahead a contact is predicted, and the width of its bracket as a fraction of that.
 constexpr double kPredicted_s = 60;
 constexpr double kPredictedWidth = 1e-9;
 constexpr double kPredictedTurn_rad = 1.5;
 
-/// The body's motion from time t of a piece of that length on, for so many seconds more.
+/// The body's motion continued from time t of a piece of that length, for this many seconds.
 BodyMotion goes_on(const BodyMotion& motion, double t, double piece_s, double seconds) {
   const Frame now = motion.at(t);
   Frame then{.rotation = now.rotation, .position = now.position + motion.travel * (seconds / piece_s)};
@@ -37,8 +37,8 @@ bool BandPredicate::may_hold(const StandingPiece& piece) const {
   return overlaps(mover, grown(about, table_.beyond_m(piece.fence)));
 }
 
-/// The distance of two single convex objects that go straight has one minimum: they come in and go out once. Within a
-/// distance of 0 nothing is so by more than a rounding, and no search finds where that ends.
+/// The distance of two single convex objects that move straight has one minimum, so they enter and leave once. At a
+/// distance of 0 any overlap may be a rounding, and no search finds where it ends.
 bool BandPredicate::may_turn_back(const StandingPiece& piece) const {
   return rule(piece).stays_in().low_m() > 0 &&
          !touch_at_most_once(*rows_.info(piece.mover), piece.mover_motion, *rows_.info(table_.carrier(piece.fence)),
@@ -81,7 +81,7 @@ GapTime BandPredicate::first_beyond(const StandingPiece& piece, double from) {
                               options_of(piece, from), walk_);
 }
 
-/// The first such time of the reversed motion.
+/// first_within() of the reversed motion.
 GapTime BandPredicate::last_within(const StandingPiece& piece) {
   GapTime last = first_within(piece.reversed(), rule(piece).stays_in(), 0);
   last.bracket = reversed(last.bracket);
@@ -104,7 +104,8 @@ void BandPredicate::describe(const StandingPiece& piece, const GapTime& first, F
   predict(piece, t, found);
 }
 
-/// When the two would touch if both went on as at time t: in found.surface, seconds from then, as a depth and its bound.
+/// Predicts when the two would touch if both continued as at time t; stores it in found.surface: seconds from then as
+/// depth, with its error.
 void BandPredicate::predict(const StandingPiece& piece, double t, FoundContact& found) {
   const double piece_s = piece.seconds();
   const double turn_rad = std::max(piece.mover_motion.turn_rad, piece.fence_motion.turn_rad);

@@ -10,8 +10,8 @@
 
 namespace collided::engine {
 
-/// Whether an object is within a band about another one, by their distance. It comes in at the band's distance, and goes
-/// out beyond that and the hysteresis.
+/// Whether an object is within a band of another one, by their distance. It enters at the band's distance, and leaves
+/// beyond that distance plus the hysteresis.
 class BandPredicate {
  public:
   using Time = GapTime;
@@ -22,19 +22,19 @@ class BandPredicate {
   BandPredicate(const StepView& step, const FenceTable& table, StepCost& cost)
       : rows_(step.rows), table_(table), cost_(cost) {}
 
-  /// A filter: false says that the object is not in at any time of the piece.
+  /// A filter: false means that the object is not inside at any time of the piece.
   bool may_hold(const StandingPiece& piece) const;
-  /// The object may come in or go out more than once in the piece.
+  /// True if the object may enter or leave more than once in the piece.
   bool may_turn_back(const StandingPiece& piece) const;
   Decision at_end(const StandingPiece& piece, bool was_in);
-  /// Of an object that came in within the piece and is not surely in at its end: it is out there.
+  /// For an object that entered within the piece and is not certainly inside at its end: true if it is outside there.
   bool is_out_at_end(const StandingPiece& piece, Decision) { return at_end(piece, true) == Decision::no; }
-  /// The first time from there on at which an object that is out comes in, or one that is in goes out.
+  /// The first time from `from` on at which an object outside enters, or one inside leaves.
   GapTime first_within(const StandingPiece& piece, double from = 0);
   GapTime first_beyond(const StandingPiece& piece, double from);
-  /// When an object that is out at the end was in for the last time.
+  /// When an object that is outside at the end was last inside.
   GapTime last_within(const StandingPiece& piece);
-  /// Adds where the two are nearest, how far apart, how they move against each other, and when they would touch.
+  /// Adds where the two are nearest, how far apart, their relative velocity, and when they would touch.
   void describe(const StandingPiece& piece, const GapTime& first, FoundContact& found);
   void describe_instant(const StandingPiece& instant, FoundContact& found) {
     describe(instant, first_within(instant), found);

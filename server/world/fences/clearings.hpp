@@ -7,13 +7,13 @@
 
 namespace collided::engine {
 
-/// Boxes about movers in which no fence is. While fences stand still, most movers stay in theirs for many steps, which
-/// then need not look for fences.
+/// Boxes around movers that contain no fence. While fences stand still, most movers stay in their box for many steps,
+/// which then need no search for fences.
 ///
 /// threads  one
 class Clearings {
  public:
-  /// Whether the box lies in the mover's clearing.
+  /// True if the box lies in the mover's clearing.
   bool hold(std::uint32_t mover, const Aabb& box) const {
     if (mover >= boxes_.size() || boxes_[mover].empty() || box.empty()) return false;
     const Aabb& clearing = boxes_[mover];
@@ -23,7 +23,7 @@ class Clearings {
     if (mover >= boxes_.size()) boxes_.resize(mover + 1);
     boxes_[mover] = clearing;
   }
-  /// A fence came, or moves.
+  /// Call when a fence was added or moves.
   void forget_all() { boxes_.clear(); }
 
  private:

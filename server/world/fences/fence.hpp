@@ -13,30 +13,30 @@
 
 namespace collided::engine {
 
-/// What a fence reports of an object, with the words of commands (kDetectEnter).
+/// Which changes a fence reports, with the words of commands (kDetectEnter).
 inline constexpr std::pair<const char*, std::uint8_t> kDetectWords[]{
     {"enter", codes::kDetectEnter}, {"exit", codes::kDetectExit}, {"cross", codes::kDetectCross}};
 inline constexpr std::uint8_t kDetectAll = codes::kDetectEnter | codes::kDetectExit | codes::kDetectCross;
 
-/// Distance bands about all objects of a name, as a definition of a fence has them: objects that come within a band are
-/// reported. The bands descend; the last one is 0, contact.
+/// Distance bands around all objects of a name, as part of a fence definition: objects that enter a band are reported.
+/// The bands descend; the last one is 0, contact.
 struct MarginBands {
-  std::string around = {};           // name glob of the objects that have the bands
+  std::string around = {};           // name glob of the objects with the bands
   std::vector<double> bands_m = {};  // metres
   double hysteresis_m = 0;           // an object within a band leaves it beyond the band plus this
-  std::int64_t dwell_ns = 0;         // it must be within, or beyond, for so long; but contact begins at once
+  std::int64_t dwell_ns = 0;         // an object must be inside, or outside, for this long; contact begins at once
 
-  static constexpr std::size_t kMost = 8;  // bands
+  static constexpr std::size_t kMost = 8;  // most bands
   static constexpr std::int64_t kLongestDwellNs = 3'600'000'000'000;
 };
 
-/// Why such bands are refused; empty: they are valid.
+/// The reason why such bands are refused; empty if they are valid.
 std::string refusal_of(const MarginBands& margin);
 
-/// One band of a margin, which all objects that have it share.
+/// One band of a margin, shared by all objects with the band.
 struct BandRule {
-  std::string margin = {};  // its name
-  std::string around = {};  // name glob of the objects that have the bands; of fixed ones, of those that they look at
+  std::string margin = {};  // the margin's name
+  std::string around = {};  // objects with the bands, by name glob; for static ones, the objects that they monitor
   double within_m = 0;
   double hysteresis_m = 0;
   std::int64_t dwell_in_ns = 0;
@@ -49,38 +49,38 @@ struct BandRule {
   bool operator==(const BandRule&) const = default;
 };
 
-/// A standing question: which object of a name is nearest to a point, or to the carrier of the fence definition that has
-/// this rule.
+/// A standing question: which object of a name is nearest to a point, or to the carrier of the fence definition that
+/// has this rule.
 struct NearestRule {
-  double within_m = 0;      // what is farther away is not looked at
-  double hysteresis_m = 0;  // another object takes the place of the nearest once it is nearer by more than this
+  double within_m = 0;      // objects farther away are ignored
+  double hysteresis_m = 0;  // another object replaces the nearest once it is nearer by more than this
 
   /// Beyond this distance, in metres, an object is no longer the nearest.
   double reach_m() const { return within_m + hysteresis_m; }
   bool operator==(const NearestRule&) const = default;
 };
 
-/// A region that stands in the world, or moves along with an object; objects that come in and go out are reported. It
-/// touches nothing, and questions about the world ignore it.
+/// A region fixed in the world, or moving along with an object; objects that enter and leave are reported. It touches
+/// nothing, and questions about the world ignore it.
 struct FenceDefinition {
   std::string name = {};  // unique among fences
-  /// Solid primitives, and a mesh only with what it encloses. Metres, in the world, or in the frame of its carrier.
+  /// Solid primitives, or a mesh with the solid that it encloses. Metres, in the world, or in the frame of its carrier.
   Shape shape = {};
-  std::shared_ptr<const SolidMesh> solid = {};  // of the shape's mesh; null where it has none
+  std::shared_ptr<const SolidMesh> solid = {};  // solid of the shape's mesh; null if there is none
   std::string carrier = {};                     // name of the object that it is fixed to; empty: the world
-  std::string only = {};                        // name glob of the objects that it looks at; empty: all that move
-  std::string skip = {};                        // name glob of those that it leaves out; empty: none
-  std::uint32_t mask = 0xffffffff;              // an object's layers must have a bit of it
+  std::string only = {};                        // name glob of the monitored objects; empty: all that move
+  std::string skip = {};                        // name glob of objects to leave out; empty: none
+  std::uint32_t mask = 0xffffffff;              // an object's layers must share a bit with it
   std::uint8_t detects = kDetectAll;            // kDetect... bits
-  std::uint64_t owner = 0;                      // for the caller that defines it; the world does not read it
-  // A margin: instead of a shape that stands in the world, bands about objects; `only` names those that they look at.
+  std::uint64_t owner = 0;                      // for the caller that defines it; not read by the world
+  // A margin: instead of a shape in the world, bands around objects; `only` names the monitored objects.
   std::optional<MarginBands> margin = {};
-  // A question for the nearest object: about its carrier, or where there is none about the centre of its shape, a sphere
-  // of radius 0; `only` names the objects that it looks at, moving or not.
+  // A question for the nearest object to the carrier, or without one to the centre of the shape, a sphere of radius 0;
+  // `only` names the monitored objects, moving or not.
   std::optional<NearestRule> nearest = {};
 };
 
-/// What many fences have in common; equal rules are shared.
+/// Properties that many fences share; equal rules are stored once.
 struct FenceRule {
   std::string carrier;
   std::string only;
@@ -88,8 +88,8 @@ struct FenceRule {
   std::uint32_t mask = 0;
   std::uint8_t detects = 0;
   std::uint64_t owner = 0;
-  std::optional<BandRule> band = {};        // it is a band of a margin, about its carrier
-  std::optional<NearestRule> nearest = {};  // it is a question for the nearest object
+  std::optional<BandRule> band = {};        // a band of a margin, around its carrier
+  std::optional<NearestRule> nearest = {};  // a question for the nearest object
 
   /// How long a change must have lasted before it is reported.
   std::int64_t dwell_ns(bool comes_in) const {

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kCirclePieces = 32;
 constexpr double kPlaneReach_m = 10;
-constexpr std::size_t kMostEdges = 2'000;  // of a mesh; with more its bounding box is shown
+constexpr std::size_t kMostEdges = 2'000;  // edges of a mesh; with more its bounding box is shown
 constexpr double kFlat = 0.9998;           // cosine of 1 degree: faces this flat to each other have no edge
 
 class Outline {
@@ -88,7 +88,7 @@ class Outline {
   std::vector<Polyline> take() && { return std::move(lines_); }
 
  private:
-  /// The rectangle about a center along two unit vectors, grown by the band's distance.
+  /// The rectangle around a centre along two unit vectors, grown by the band's distance.
   void rounded_rectangle(const Vec3& center, const Vec3& u, double half_u_m, const Vec3& v, double half_v_m) {
     constexpr int kCornerPieces = kCirclePieces / 4;
     Polyline line;
@@ -104,7 +104,7 @@ class Outline {
     line.push_back(line.front());
     lines_.push_back(std::move(line));
   }
-  /// The cylinder grown by the band's distance: wider between its ends, its flat ends farther out, its rims round.
+  /// The cylinder grown by the band's distance: wider between its ends, with its flat ends farther out and round rims.
   void rounded_cylinder(const Cylinder& c) {
     const Vec3 along = direction(c.b - c.a);
     const auto [u, v] = across(c.b - c.a, 1);
@@ -116,13 +116,13 @@ class Outline {
       rounded_rectangle(0.5 * (c.a + c.b), along, 0.5 * (c.b - c.a).norm(), side, c.radius_m);
   }
   static Vec3 direction(const Vec3& axis) { return axis.isZero(0) ? Vec3::UnitZ() : Vec3(axis.stableNormalized()); }
-  /// Two vectors of that length, across the axis and each other.
+  /// Two vectors of that length, perpendicular to the axis and to each other.
   static std::pair<Vec3, Vec3> across(const Vec3& axis, double length_m) {
     const Vec3 n = direction(axis);
     const Vec3 u = n.unitOrthogonal();
     return {length_m * u, length_m * n.cross(u)};
   }
-  /// center + cos u + sin v over that part of a turn.
+  /// center + cos u + sin v over that fraction of a turn.
   void arc(const Vec3& center, const Vec3& u, const Vec3& v, double turns = 1) {
     Polyline line;
     const int pieces = std::max(1, static_cast<int>(kCirclePieces * turns));
@@ -132,7 +132,7 @@ class Outline {
     }
     lines_.push_back(std::move(line));
   }
-  /// Four lines from around one end to around the other.
+  /// Four lines between the rims of two ends.
   void sides(const Vec3& from, const Vec3& to, const Vec3& u, const Vec3& v, double width_at_end) {
     for (const Vec3& out : {u, v, Vec3(-u), Vec3(-v)}) lines_.push_back({from + out, to + width_at_end * out});
   }
@@ -165,7 +165,7 @@ class Outline {
   std::vector<Polyline> lines_;
 };
 
-/// Whether the outline of a band about the body is that of the body grown by its distance, and not of a box about it.
+/// True if the outline of a band is that of the body grown by its distance, not of a box around it.
 bool is_drawn_as_grown(const ObjectInfo& body) {
   if (body.primitives.size() != 1 || body.mesh) return false;
   const Primitive& shape = body.primitives.front();

@@ -19,7 +19,7 @@ std::size_t hash_of(const FenceRule& rule) {
          (rule.nearest ? 13 * std::hash<double>{}(rule.nearest->within_m) : 0);
 }
 
-/// A fence that one primitive describes needs no body of its own.
+/// A fence described by one primitive needs no body of its own.
 std::shared_ptr<const ObjectInfo> body_of(const FenceDefinition& definition, ObjectId id) {
   if (!definition.solid && definition.shape.primitives.size() == 1) return nullptr;
   auto body = std::make_shared<ObjectInfo>();
@@ -187,7 +187,7 @@ bool FenceTable::update_index() {
 }
 
 std::size_t FenceTable::bytes() const {
-  constexpr std::size_t kNameEntry = 40;  // of by_name_: a node with its hash, and a bucket
+  constexpr std::size_t kNameEntry = 40;  // entry of by_name_: a node with its hash, and a bucket
   std::size_t bytes = fences_.size() * sizeof(FenceRow) + bounds_.capacity() * sizeof(Aabb) + index_->bytes() +
                       by_name_.size() * kNameEntry + changed_.capacity() * sizeof(std::uint32_t);
   const std::size_t in_place = std::string().capacity();

@@ -152,7 +152,7 @@ void Fences::decide(const StepView& step, const Grid& movers) {
   new_.clear();
 }
 
-/// Offers a pair to the decisions, once a step.
+/// Passes a pair to the decisions, once per step.
 void Fences::consider(const StepView& step, StandingDecisions& decisions, std::uint32_t fence, std::uint32_t mover) {
   const ObjectInfo* info = step.rows.info(mover);
   if (info == nullptr) return;
@@ -164,7 +164,7 @@ void Fences::consider(const StepView& step, StandingDecisions& decisions, std::u
   }
   if (open == nullptr && !overlaps(step.motion.bounds()[mover], bounds_around(fence))) return;
   if (open == nullptr && !decisions.looks_at(fence, mover)) return;
-  // Most of what is in a fence is deep in it, and stays.
+  // Most objects in a fence are deep in it, and stay.
   if (open != nullptr && open->doubt == Doubt::none && decisions.surely_stays(fence, mover)) return;
   decide_pair(decisions, fence, mover, std::binary_search(new_.begin(), new_.end(), fence));
 }
@@ -174,7 +174,7 @@ void Fences::decide_pair(StandingDecisions& decisions, std::uint32_t fence, std:
   decisions.note_considered(fence, mover, step_);
 }
 
-/// New fences look for their carriers, and fences that wait for one among the new objects.
+/// Binds new fences to their carriers, and new objects to the fences that wait for them.
 void Fences::bind_waiting(const StepView& step) {
   if (table_.carried().empty()) return;
   for (const std::uint32_t fence : new_) {
@@ -198,7 +198,7 @@ void Fences::bind(const StepView& step, std::uint32_t fence, std::uint32_t objec
   if (step.rows[object].is_stale) ledger_.lose(table_.id(fence));
 }
 
-/// Those of which something new may be known: the others have a decided past.
+/// Collects the movers about which something new may be known; the past of the others is decided.
 void Fences::gather_movers(const StepView& step) {
   movers_.clear();
   const auto add = [&](std::uint32_t slot) {
@@ -210,7 +210,7 @@ void Fences::gather_movers(const StepView& step) {
     return;
   }
   std::for_each(step.rows.moved().begin(), step.rows.moved().end(), add);
-  // Only a carried fence may wait for time that a mover has behind it.
+  // Only a carried fence may wait for time that is already behind a mover.
   if (table_.carried().empty()) return;
   const auto add_open = [&](std::uint32_t slot) {
     if (!step.rows.has_moved(slot)) add(slot);
@@ -220,7 +220,7 @@ void Fences::gather_movers(const StepView& step) {
   std::for_each(travelling.begin(), travelling.end(), add_open);
 }
 
-/// Carried fences get the bounds of their whole way that is not decided yet.
+/// Gives carried fences the bounds of their whole undecided path.
 void Fences::follow_carriers(const StepView& step) {
   if (table_.carried().empty() && followed_.empty()) return;
   const std::vector<std::uint32_t> before = std::exchange(followed_, {});
@@ -229,7 +229,7 @@ void Fences::follow_carriers(const StepView& step) {
     const auto has_bounds = [&](std::uint32_t fence) { return table_.has_bounds(fence); };
     std::copy_if(carried.begin(), carried.end(), std::back_inserter(followed_), has_bounds);
   }
-  // The floor passed a source that is silent: its pairs may begin anew though nothing moved.
+  // The floor passed a silent source: its pairs may begin again though nothing moved.
   if (step.sources.is_any_behind_floor()) {
     followed_.clear();
     std::copy_if(
@@ -238,7 +238,7 @@ void Fences::follow_carriers(const StepView& step) {
   }
   std::sort(followed_.begin(), followed_.end());
   for (const std::uint32_t fence : followed_) table_.set_bounds(fence, bounds_on_the_way(step, fence));
-  // What rests again has the bounds of where it is.
+  // Fences that rest again get the bounds of their place.
   for (const std::uint32_t fence : before) {
     if (!table_.holds(fence) || std::binary_search(followed_.begin(), followed_.end(), fence)) continue;
     const std::uint32_t carrier = table_.carrier(fence);
@@ -246,7 +246,7 @@ void Fences::follow_carriers(const StepView& step) {
   }
 }
 
-/// Where its carrier is.
+/// Bounds of the fence where its carrier is.
 Aabb Fences::bounds_at(const StepView& step, std::uint32_t fence) {
   return grown(bounds_of(table_.body(fence), step.rows[table_.carrier(fence)].frame()), table_.beyond_m(fence));
 }
@@ -270,12 +270,12 @@ Aabb Fences::bounds_on_the_way(const StepView& step, std::uint32_t fence) {
   return grown(all, table_.beyond_m(fence));
 }
 
-/// Something new may be known of it, so that it looks for its fences itself.
+/// True if something new may be known about the object, so that it looks for its fences itself.
 bool Fences::is_pending(const StepView& step, std::uint32_t slot) const {
   return step.looks_at_all || step.rows.has_moved(slot) || (!table_.carried().empty() && step.motion.is_open(slot));
 }
 
-/// Those that its motion may meet, and those that it is in, whose bounds it may have left.
+/// Finds the fences that its motion may meet, and those that it is in, whose bounds it may have left.
 void Fences::find_fences_of(const StepView& step, std::uint32_t mover) {
   found_.clear();
   if (!clearings_.hold(mover, step.motion.bounds()[mover])) walk_fences(step, mover);
@@ -288,8 +288,8 @@ void Fences::find_fences_of(const StepView& step, std::uint32_t mover) {
   keep_found_once();
 }
 
-/// Those that its bounds meet. While fences stand still the walk looks farther, so that where nothing is found the next steps
-/// need none.
+/// Finds the fences that its bounds meet. While fences stand still the walk looks farther, so that if nothing is found
+/// the next steps need no walk.
 void Fences::walk_fences(const StepView& step, std::uint32_t mover) {
   const Aabb& bounds = step.motion.bounds()[mover];
   const double size_m = (bounds.high - bounds.low).maxCoeff();
@@ -305,7 +305,7 @@ void Fences::walk_fences(const StepView& step, std::uint32_t mover) {
   if (is_clear) clearings_.set(mover, wide);
 }
 
-/// Those that do not look for their fences themselves; the fence and what is within it are in with_inner_.
+/// Finds the objects that do not look for their fences themselves; the fence and its inner bands are in with_inner_.
 void Fences::find_movers_of(const StepView& step, const Grid& movers, std::uint32_t fence) {
   found_.clear();
   const auto add = [&](std::uint32_t mover) {

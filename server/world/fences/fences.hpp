@@ -18,50 +18,51 @@ namespace collided::engine {
 /// By name.
 using Margins = std::map<std::string, FenceDefinition, std::less<>>;
 
-/// The name of a band's fence: the margin's, that of the object that has it, the number of the band and its distance in
-/// metres, each on a line of its own. No name has a line feed.
+/// The name of a band's fence: the names of the margin and of its object, the number of the band and its distance in
+/// metres, each on a line of its own. No name contains a line feed.
 std::string band_name(std::string_view margin, std::string_view about, std::size_t index, double within_m);
 
-/// The fences of a world, who is in them, and the events that change that. Who is in a fence is kept like a contact: an
-/// event's a is the object, its b the fence, `began` says that the object came in, `ended` that it went out and why.
-/// threads  the writer's only
+/// The fences of a world, the objects inside them, and the events of entry and exit. An object inside a fence is kept
+/// like a contact: an event's a is the object, its b the fence; `began` means that the object entered, `ended` that it
+/// left, with the reason.
+/// threads  the writer only
 class Fences {
  public:
-  /// The reason where it is refused.
+  /// Returns the reason if the fence is refused.
   std::variant<ObjectId, Refusal> add(const FenceDefinition& definition);
-  /// Whoever is in it goes out with fence_removed at the next step. False: there is no such fence.
+  /// Objects inside leave with fence_removed at the next step. False: there is no such fence.
   bool remove(std::string_view name);
-  /// The margins, which are fences without a place of their own: their bands, one fence each about each object, are in
-  /// the table.
+  /// The margins. They have no place of their own: each band around each object is a fence in the table.
   const Margins& margins() const { return margins_; }
   const FenceTable& table() const { return table_; }
   FenceTable& table() { return table_; }
   std::optional<ObjectId> find(std::string_view name) const;
 
-  /// What a step does to objects: taken out of the world with a reason, lost (true) or found again.
+  /// Changes of objects by a step: removed from the world with a reason, lost (true) or found again.
   struct Changes {
     std::span<const std::pair<ObjectId, EndReason>> removed;
     std::span<const std::pair<ObjectId, bool>> lost;
   };
-  /// Drops the last step's events. To be called before the slots of removed objects are used again.
+  /// Drops the last step's events. Call it before the slots of removed objects are used again.
   void begin_step(std::int64_t world_time_ns, const Changes& changes);
-  /// Decides what moved.
+  /// Decides everything that moved.
   ///
   /// movers  index over the motions of the step
   void decide(const StepView& step, const Grid& movers);
   void finish_step() { ledger_.finish_step(); }
-  /// There is a fence to be decided, though nothing moved.
+  /// True if a fence must be decided though nothing moved.
   bool has_news() const { return !new_.empty() || !new_margins_.empty() || waits_for_time(); }
-  /// Something is told once time has gone on, though nothing moves: who came into a band, or left it, or is nearest.
+  /// True if time alone may cause an event though nothing moves: an entry or exit of a band, or a change of the
+  /// nearest.
   bool waits_for_time() const { return is_any_pending() || nearest_.has_news(); }
 
   const std::vector<Event>& events() const { return ledger_.events(); }
-  /// Who is in which fence, with the pairs in doubt, in no order.
+  /// Which object is in which fence, including pairs in doubt, in no order.
   const std::vector<OpenContact>& inside() const { return ledger_.open(); }
   std::uint64_t last_sequence() const { return ledger_.last_sequence(); }
   std::size_t doubt_count() const { return ledger_.doubt_count(); }
   const StepCost& cost() const { return cost_; }
-  /// Searches that ended at their limit of looks, so far: of all, and of one question for the nearest.
+  /// Searches so far that ended at their evaluation limit: in total, and for one question for the nearest.
   std::uint64_t cut_short() const { return cut_short_; }
   std::uint64_t cut_short(std::uint32_t nearest) const { return nearest_.cut_short(nearest); }
 
@@ -99,13 +100,13 @@ class Fences {
   StandingLists lists_;
   StepCost cost_;
   std::uint64_t cut_short_ = 0;
-  std::vector<std::uint32_t> new_;  // fences that came, or found their carrier, since the last step
+  std::vector<std::uint32_t> new_;  // fences added, or bound to their carrier, since the last step
   std::vector<ObjectId> removed_;   // since the last step
   Clearings clearings_;
   bool are_fences_still_ = false;  // in this step
   std::vector<std::uint32_t> movers_;
   std::vector<std::uint32_t> followed_;     // carried fences whose carrier moved or is not decided to its end
-  std::vector<std::uint32_t> look_around_;  // fences that look for what does not look for them
+  std::vector<std::uint32_t> look_around_;  // fences that look for objects that do not look for them
   std::vector<std::uint32_t> with_inner_;   // a fence and the bands within it
   std::vector<std::uint32_t> found_;        // fences of an object, or objects of a fence
   WalkCost walk_;

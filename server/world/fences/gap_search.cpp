@@ -11,10 +11,10 @@
 namespace collided::engine {
 namespace {
 
-/// Whether a plane between the two bounds their distance at all times of a translation.
+/// True for a single convex body: a plane between two of these bounds their distance throughout a translation.
 bool is_one_convex(const ObjectInfo& info) { return info.primitives.size() == 1 && !info.mesh; }
 
-/// A search along the two motions, from look to look.
+/// A search along the two motions, from evaluation to evaluation.
 class GapWalk {
  public:
   GapWalk(const GapBody& a, const GapBody& b, const GapLimit& limit, const GapOptions& options, WalkCost& cost,
@@ -55,7 +55,7 @@ class GapWalk {
   }
 
  private:
-  /// How far apart the two are at time_; nothing: more than left_m beyond the limit.
+  /// The distance of the two at time_; nothing if more than left_m beyond the limit.
   std::optional<ObjectClearance> clearance_now(double left_m) {
     const Frame frame_a = a_.motion.at(time_);
     const Frame frame_b = b_.motion.at(time_);
@@ -65,7 +65,7 @@ class GapWalk {
     return clearance_between(a, b, {.limit_m = limit_.high_m() + left_m, .depth = false}, cost_, never);
   }
 
-  /// Looks at the two at time_ for the first time beyond the limit. True: they are surely within it.
+  /// Evaluates the two at time_ for the first time beyond the limit. True: they are certainly within it.
   bool look_beyond() {
     const std::optional<ObjectClearance> clearance = clearance_now(off_m_ + kBoundSlack * limit_.high_m());
     const bool is_apart = !clearance || clearance->touches == Decision::no;
@@ -85,7 +85,7 @@ class GapWalk {
     return surely_so(fastest_m_ > 0 ? std::min(1.0, time_ + spare_m * (1 - kBoundSlack) / fastest_m_) : 1, spare_m);
   }
 
-  /// Looks at the two at time_. True: they are surely farther apart than the limit.
+  /// Evaluates the two at time_. True: they are certainly farther apart than the limit.
   bool look() {
     const double left_m = fastest_m_ * (1 - time_) * (1 + kBoundSlack) + off_m_;
     const std::optional<ObjectClearance> clearance = clearance_now(left_m);
@@ -109,9 +109,9 @@ class GapWalk {
     return surely_so(std::min(1.0, time_ + safe), excess_m);
   }
 
-  /// They are by excess_m on the side of the limit where they began, and stay there until then.
+  /// The two are excess_m away from the limit, on the side where they began, and stay on that side until `until`.
   bool surely_so(double until, double excess_m) {
-    // What lies between the last time that was sure and this one is sure, too, where they cannot have been near in between.
+    // The time between the last sure time and this one is sure as well, unless they can have been near in between.
     const double back = fastest_m_ > 0 ? excess_m * (1 - kBoundSlack) / fastest_m_ : 1;
     if (time_ - back > sure_until_) note_unclear();
     sure_until_ = std::max(sure_until_, until);
@@ -136,15 +136,15 @@ class GapWalk {
   bool seeks_beyond_;
   Vec3 relative_;
   bool is_planar_ = false;
-  double fastest_m_ = 0;  // an upper bound on how much the distance changes in all of the motion
-  double off_m_ = 0;      // how far the two together may be from where their motions put them
+  double fastest_m_ = 0;  // an upper bound on the change of the distance over the whole motion
+  double off_m_ = 0;      // how far the two together may be from their motions
   double time_;
   double sure_until_;
-  double unclear_ = -1;  // from when on it is not sure; negative: it is
+  double unclear_ = -1;  // start of the time that is not sure; negative: all is sure
   GapTime found_;
 };
 
-/// The part as it was given: the only primitive, or a triangle. False: which one of several primitives is not known.
+/// Finds the part as given: the only primitive, or a triangle. False: it is unknown which of several primitives.
 bool find_given(const Placed& object, std::uint32_t triangle, GivenPart& given) {
   if (object.pose == nullptr) return true;
   if (triangle == kNoTriangle && object.info->primitives.size() != 1) return false;
@@ -152,7 +152,7 @@ bool find_given(const Placed& object, std::uint32_t triangle, GivenPart& given) 
   return true;
 }
 
-/// Over all pairs of parts that may be within the limit, in exact arithmetic.
+/// Decides over all pairs of parts that may be within the limit, in exact arithmetic.
 Decision exactly_within(const Placed& a, const Placed& b, const GapLimit& limit, WalkCost& cost) {
   kernel::AnyOf any;
   const auto visit = [&](const PlacedPart& of_a, const PlacedPart& of_b) {

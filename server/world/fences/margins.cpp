@@ -1,4 +1,4 @@
-// The margins of a world: which objects have bands, and when those come and go.
+// The margins of a world: which objects have bands, and when bands are added and removed.
 
 #include <algorithm>
 #include <charconv>
@@ -55,7 +55,7 @@ void Fences::drop_pending(ObjectId id) {
   std::erase_if(pending_, [&](const auto& entry) { return entry.first.first == id || entry.first.second == id; });
 }
 
-/// New margins get bands about the objects that are there, and new objects bands of the margins that are.
+/// Gives new margins bands around the existing objects, and new objects bands of the existing margins.
 void Fences::make_bands(const StepView& step) {
   if (margins_.empty()) return;
   const auto is_new_margin = [&](const std::string& name) {
@@ -64,7 +64,7 @@ void Fences::make_bands(const StepView& step) {
   for (const std::uint32_t slot : step.rows.moved()) {
     if (step.rows.info(slot) == nullptr || !step.rows.is_new(slot)) continue;
     for (const auto& [name, margin] : margins_) {
-      // Of one that moves, all that is known of it is decided, as of contacts; else only what is now.
+      // For a moving object all known time is decided, as for contacts; else only the present.
       if (!is_new_margin(name)) add_bands(step, margin, slot, !step.rows.info(slot)->moving);
     }
   }
@@ -76,10 +76,10 @@ void Fences::make_bands(const StepView& step) {
   new_margins_.clear();
 }
 
-/// is_new: nothing is said of the time before them.
+/// is_new: nothing is reported for the time before the bands.
 void Fences::add_bands(const StepView& step, const FenceDefinition& margin, std::uint32_t object, bool is_new) {
   const std::shared_ptr<const ObjectInfo>& info = step.rows.table()[object];
-  // Parts of a scene share one mesh, and have no body that distances could be measured from.
+  // Parts of a scene share one mesh, and have no body of their own to measure distances from.
   if (info->scene_part != kNoScenePart) return;
   const auto is_of = [&](const std::string& glob) { return wire_contract::glob_matches(glob, info->name); };
   const bool is_looked_at = is_of(margin.only) && (info->filter.layers & margin.mask) != 0;
@@ -111,7 +111,7 @@ void Fences::add_bands(const StepView& step, const FenceDefinition& margin, std:
   }
 }
 
-/// The fence, and the bands within it.
+/// Adds the fence and its inner bands.
 void Fences::add_with_inner(std::uint32_t fence, std::vector<std::uint32_t>& to) const {
   to.push_back(fence);
   if (!table_.is_band(fence)) return;
@@ -120,7 +120,8 @@ void Fences::add_with_inner(std::uint32_t fence, std::vector<std::uint32_t>& to)
   }
 }
 
-/// Of an inner band those of the widest, less what that one reaches farther. A filter: too large by some roundings.
+/// For an inner band: the bounds of the widest, reduced by the difference of their distances. A filter: too large by
+/// some roundings.
 Aabb Fences::bounds_around(std::uint32_t fence) const {
   if (!table_.is_inner_band(fence)) return table_.bounds(fence);
   const std::uint32_t widest = table_.widest(fence);
@@ -134,7 +135,7 @@ Aabb Fences::bounds_around(std::uint32_t fence) const {
   return bounds;
 }
 
-/// What was pending and met nobody in this step, though one of the two moved: it was put elsewhere.
+/// Decides pending pairs that were not met in this step though one of the two moved: it was teleported.
 void Fences::decide_left_pending(const StepView& step, StandingDecisions& decisions) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> left;
   for (auto& [pair, turned] : pending_) {

@@ -20,7 +20,7 @@ struct NearerLook {
   double time = 0;
   GapBounds nearer = {};
   GapBounds bar = {};
-  // What `nearer` gains at least in all of the motion if it goes on as here: forward, and seen backward.
+  // Least gain of `nearer` over the whole motion if it continues as here: forward, and backward in time.
   double gain_m = -kEndless;
   double back_gain_m = -kEndless;
   bool yes = false;
@@ -32,7 +32,7 @@ struct NearerLook {
   }
 };
 
-/// What both searches have in common: looks at a time.
+/// Evaluation at one time, shared by both searches.
 class NearerSides {
  public:
   NearerSides(const GapBody& from, const GapSide& nearer, const GapSide& bar, const GapOptions& options, WalkCost& cost)
@@ -44,11 +44,11 @@ class NearerSides {
         nearer_change_m_(change_of(nearer)),
         change_m_((nearer_change_m_ + change_of(bar)) * (1 + kBoundSlack)) {}
 
-  /// Distances are convex over time: of single convex bodies that only translate.
+  /// True if distances are convex over time: for single convex bodies that only translate.
   bool are_convex() const { return is_convex(from_) && is_convex(nearer_) && is_convex(bar_); }
   bool is_over() const { return looks_ >= options_.most_looks; }
   double width() const { return options_.width; }
-  /// An upper bound on how much the two sides come together in all of the motion.
+  /// An upper bound on how much the two sides approach each other over the whole motion.
   double change_m() const { return change_m_; }
 
   NearerLook look(double time) {
@@ -57,7 +57,7 @@ class NearerSides {
     NearerLook look{.time = time};
     const Frame frame = from_.motion.at(time);
     const Placed from = placed_at(from_, frame);
-    // What is farther than either may come until the end need not be measured.
+    // Distances beyond what either side can change until the end need not be measured.
     const double left_m = change_m_ * (1 + kBoundSlack);
     look.bar = bounds_of_side(bar_, from, time, nearer_.body == nullptr ? 2 * nearer_.more_m + left_m : kEndless);
     look.nearer = bounds_of_side(nearer_, from, time, look.bar.high_m + left_m);
@@ -74,7 +74,7 @@ class NearerSides {
   static double off_of(const GapBody& body) { return body.motion.error_m(body.reach_m) + body.off_m; }
   Vec3 travel_of(const GapSide& side) const { return side.body->motion.travel - from_.motion.travel; }
 
-  /// An upper bound on how much the side changes in all of the motion, metres.
+  /// An upper bound on the change of the side over the whole motion, metres.
   double change_of(const GapSide& side) const {
     if (side.body == nullptr) return 0;
     const double turned_m = side.body->motion.turn_rad * side.body->reach_m + from_.motion.turn_rad * from_.reach_m;
@@ -90,7 +90,7 @@ class NearerSides {
     bounds.high_m = bounds.high_m + off_m + side.more_m;
     return bounds;
   }
-  /// A plane between two convex bodies bounds their distance at all times of a translation.
+  /// A plane between two convex bodies bounds their distance throughout a translation.
   void note_gain(NearerLook& look) const {
     if (nearer_.body == nullptr) {
       look.gain_m = look.back_gain_m = 0;
@@ -114,7 +114,7 @@ class NearerSides {
   std::uint32_t looks_ = 0;
 };
 
-/// A search that halves time until each part is sure.
+/// A search that halves time until each part is decided.
 class NearerSearch {
  public:
   explicit NearerSearch(NearerSides& sides) : sides_(sides) {}
@@ -127,7 +127,7 @@ class NearerSearch {
   }
 
  private:
-  /// True: it was found, or the looks are over.
+  /// True: found, or the evaluations are used up.
   bool search(const NearerLook& from, const NearerLook& to) {
     if (is_surely_above(from, to)) {
       if (!is_unclear_) sure_until_ = to.time;
@@ -151,13 +151,13 @@ class NearerSearch {
     if (!(from.above_m() > 0) || !(to.above_m() > 0)) return false;
     return sides_.are_convex() ? is_above_planes(from, to) : is_above_paths(from, to);
   }
-  /// Both sides go no farther than their paths are long.
+  /// Decides by path lengths: neither side changes by more.
   bool is_above_paths(const NearerLook& from, const NearerLook& to) const {
     return from.above_m() + to.above_m() > sides_.change_m() * (to.time - from.time) * (1 + kBoundSlack);
   }
-  /// The one is above two planes' distances, linear in time, and the other below a chord.
+  /// Decides by planes: one side is above two planes' distances, linear in time, the other below a chord.
   static bool is_above_planes(const NearerLook& from, const NearerLook& to) {
-    // The two lower bounds are least together where they meet.
+    // The maximum of the two lower bounds is least where they intersect.
     const double length = to.time - from.time;
     const double rise_m = to.nearer.low_m + to.back_gain_m * length - from.nearer.low_m;
     const double rates_m = from.gain_m + to.back_gain_m;
@@ -169,7 +169,7 @@ class NearerSearch {
 
   NearerSides& sides_;
   double sure_until_ = 0;
-  bool is_unclear_ = false;  // some part after sure_until_ is not sure
+  bool is_unclear_ = false;  // some part after sure_until_ is undecided
   NearerTime found_;
 };
 

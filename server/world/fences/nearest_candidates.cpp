@@ -1,4 +1,4 @@
-// Who may be the nearest of a standing question, and when one is nearer than another.
+// Candidates for the nearest of a standing question, and when one is nearer than another.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,7 @@
 namespace collided::engine {
 namespace {
 
-/// Of looks at three bodies.
+/// Each evaluation involves three bodies.
 constexpr LookBudget kNearestLooks{.most = 1'000, .of_step = 200'000, .least = 100};
 
 }  // namespace
@@ -30,13 +30,13 @@ void NearestDecisions::find_candidates(const NearestAsked& asked, const Aabb& bo
   order_found();
 }
 
-/// Ties go to the name that comes first, whatever ids say.
+/// Ties go to the first name, independent of ids.
 void NearestDecisions::order_found() {
   std::sort(found_.begin(), found_.end(),
             [&](std::uint32_t a, std::uint32_t b) { return rows_.info(a)->name < rows_.info(b)->name; });
 }
 
-/// All places of what the question is about in a piece of time.
+/// Bounds of the question's reference in a piece of time.
 Aabb NearestDecisions::bounds_about(const NearestAsked& asked, const Stretch& piece) {
   Aabb all = bounds_of(info(asked, asked.about), frame_at(asked.about, piece.from_ns));
   if (asked.about == kNone) return all;
@@ -50,7 +50,7 @@ Aabb NearestDecisions::bounds_about(const NearestAsked& asked, const Stretch& pi
   return all;
 }
 
-/// The nearest is no farther away in the piece than this: where it is at first, and how far the two go from there.
+/// Upper bound on the distance of the nearest in the piece: its distance at the start, plus the paths of both.
 double NearestDecisions::reach_m(const NearestAsked& asked, const Stretch& piece) {
   if (asked.nearest == kNone) return asked.rule.within_m;
   const double most_m = asked.rule.reach_m();
@@ -67,7 +67,7 @@ double NearestDecisions::reach_m(const NearestAsked& asked, const Stretch& piece
   return std::min(reach_m, most_m);
 }
 
-/// kNone: none of them is near enough at that time.
+/// kNone if none of them is near enough at that time.
 std::uint32_t NearestDecisions::nearest_of_found(const NearestAsked& asked, std::int64_t time_ns) {
   std::uint32_t nearest = kNone;
   double nearest_m = asked.rule.within_m;
@@ -98,16 +98,16 @@ std::optional<NearestDecisions::Change> NearestDecisions::first_change(const Nea
   }
   if (asked.nearest != kNone) {
     const std::optional<BracketNs> left = first_time(asked, kNone, piece, until_ns);
-    // With a hysteresis another one may be near enough by then, which was not nearer.
+    // With a hysteresis, another object may be near enough by then without having been nearer.
     if (left && !(first && left->high_ns >= until_ns)) first = {nearest_of_found(asked, left->high_ns), *left};
   }
-  // What a search that was cut short left out may have come before.
+  // A change that a cut-short search missed may have come earlier.
   if (first) first->bracket.low_ns = std::min(first->bracket.low_ns, cut_from_ns_);
   return first;
 }
 
-/// When it is surely nearer than the nearest for the first time, or near enough where there is none; of kNone: when the
-/// nearest is surely beyond its reach. Nothing: not in the piece, or only after until_ns.
+/// When the candidate is first certainly nearer than the nearest, or near enough if there is no nearest. For kNone:
+/// when the nearest is certainly beyond its reach. Nothing: not in the piece, or only after until_ns.
 std::optional<BracketNs> NearestDecisions::first_time(const NearestAsked& asked, std::uint32_t nearer,
                                                       const Stretch& piece, std::int64_t until_ns) {
   std::int64_t from_ns = piece.from_ns;
@@ -158,7 +158,7 @@ std::optional<BracketNs> NearestDecisions::first_time_in_part(const NearestAsked
   return BracketNs{is_cut_short ? low_ns : part.to_ns, part.to_ns};
 }
 
-/// Where one of the three begins or ends a motion; so these times do not depend on who else is near.
+/// The times at which one of the three begins or ends a motion; they do not depend on other objects nearby.
 std::vector<std::int64_t> NearestDecisions::part_ends(const NearestAsked& asked, std::uint32_t nearer,
                                                       const Stretch& piece) const {
   std::vector<std::int64_t> times;
@@ -208,13 +208,13 @@ Frame NearestDecisions::frame_at(std::uint32_t slot, std::int64_t time_ns) const
   return slot == kNone ? Frame{} : paths_.at(slot, time_ns, rows_[slot].pose);
 }
 
-/// How far the object may be from its motion where frame_at() has it.
+/// Bound on the object's distance from its motion at frame_at().
 double NearestDecisions::off_m(std::uint32_t slot, std::int64_t time_ns) const {
   const MotionSegment* segment = slot == kNone ? nullptr : paths_.under_way(slot, time_ns);
   return segment == nullptr || time_ns == segment->to_ns ? 0 : segment->path().error_m(rows_[slot].reach_m);
 }
 
-/// Of what the question is about: kNone is its point.
+/// The object in the given slot; kNone: the question's point.
 const ObjectInfo& NearestDecisions::info(const NearestAsked& asked, std::uint32_t slot) {
   return slot == kNone ? table_.body(asked.fence) : *rows_.info(slot);
 }

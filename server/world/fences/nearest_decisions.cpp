@@ -9,7 +9,7 @@
 namespace collided::engine {
 namespace {
 
-/// Changes of one question in one piece of time; more are left for the next.
+/// Most changes of one question in one piece of time; the rest is left to the next.
 constexpr std::uint32_t kMostChanges = 1'000;
 
 }  // namespace
@@ -26,10 +26,10 @@ void NearestDecisions::decide(std::uint32_t fence, NearestProgress& question, co
   if (!question.is_begun) {
     begin(asked, to_ns);
   } else {
-    // The doubt of one that was lost is over.
+    // The doubt about a lost object is over.
     if (open != nullptr && ledger_.is_found_again(open->a, open->b))
       tell(asked, {asked.nearest, at_once(question.decided_ns)});
-    // The nearest was taken out.
+    // The nearest was removed.
     if (open == nullptr && question.has_nearest) {
       find_candidates(asked,
                       grown(bounds_about(asked, {question.decided_ns, question.decided_ns}), asked.rule.within_m));
@@ -43,7 +43,7 @@ void NearestDecisions::decide(std::uint32_t fence, NearestProgress& question, co
   question.has_nearest = asked.nearest != kNone;
 }
 
-/// False: what it is about is not there, or is a part of a scene, which has no body of its own.
+/// False: the reference does not exist, or is a part of a scene, which has no body of its own.
 bool NearestDecisions::find_about(NearestAsked& asked) const {
   if (!table_.is_carried(asked.fence)) return true;
   asked.about = table_.carrier(asked.fence);
@@ -55,7 +55,7 @@ bool NearestDecisions::find_about(NearestAsked& asked) const {
   return true;
 }
 
-/// Up to when all are known that it looks at; who is silent for too long is not waited for.
+/// Time up to which all its monitored objects are known; publishers silent for too long are not waited for.
 std::int64_t NearestDecisions::known_ns(const NearestAsked& asked) const {
   std::int64_t known_ns = kForEver;
   const auto wait_for = [&](std::uint32_t source) {
@@ -75,7 +75,7 @@ const OpenContact* NearestDecisions::open_of(std::uint32_t fence) const {
   return open;
 }
 
-/// Nothing is said of the time before the question.
+/// Nothing is reported for the time before the question.
 void NearestDecisions::begin(NearestAsked& asked, std::int64_t time_ns) {
   asked.question.is_begun = true;
   asked.question.decided_ns = time_ns;
@@ -86,7 +86,7 @@ void NearestDecisions::begin(NearestAsked& asked, std::int64_t time_ns) {
   note_reach(asked, time_ns);
 }
 
-/// Objects that are new, and are said to have been there by the time that is decided.
+/// Takes new objects whose given beginning lies in decided time.
 void NearestDecisions::settle_what_came(NearestAsked& asked) {
   found_.clear();
   for (const std::uint32_t slot : asked.group.came) {
@@ -99,7 +99,7 @@ void NearestDecisions::settle_what_came(NearestAsked& asked) {
   note_reach(asked, asked.question.decided_ns);
 }
 
-/// A filter: whether anything moved or began by then that matters. What does not change costs one look at the index.
+/// A filter: true if a relevant object moved or began by then. Costs one search of the index if nothing changes.
 bool NearestDecisions::may_change(const NearestAsked& asked, std::int64_t to_ns) {
   const Stretch newly{asked.question.decided_ns, to_ns};
   const auto moves = [&](std::uint32_t slot) {
@@ -129,7 +129,8 @@ void NearestDecisions::decide_pieces(NearestAsked& asked, std::int64_t to_ns) {
   note_reach(asked, to_ns);
 }
 
-/// At all instants of all publishers that it waits for, so that the pieces do not depend on when messages arrived.
+/// Divides at all instants of all publishers that it waits for, so that the pieces do not depend on when messages
+/// arrived.
 std::vector<std::int64_t> NearestDecisions::cuts(const NearestAsked& asked, std::int64_t to_ns) const {
   std::vector<std::int64_t> times{to_ns};
   const auto add = [&](std::uint32_t number) {
@@ -161,8 +162,8 @@ void NearestDecisions::decide_piece(NearestAsked& asked, Stretch piece) {
   ++cost_.sweeps_skipped;
 }
 
-/// After a change in the last nanosecond of a piece: what happened in the rest of it is not found, but its end counts,
-/// since nothing may move for long after it.
+/// After a change in the last nanosecond of a piece: changes in the rest of that nanosecond are not found, but the end
+/// of the piece counts, since nothing may move for a long time after it.
 void NearestDecisions::decide_end(NearestAsked& asked, const BracketNs& last) {
   const std::int64_t to_ns = last.high_ns;
   find_candidates(asked, grown(bounds_about(asked, {to_ns, to_ns}), reach_m(asked, {to_ns, to_ns})));
@@ -172,7 +173,7 @@ void NearestDecisions::decide_end(NearestAsked& asked, const BracketNs& last) {
   if (is_nearer || has_left) tell(asked, {other, last});
 }
 
-/// Ends what was and begins what is, with the distance at the end of the bracket.
+/// Ends the old nearest and begins the new one, with the distance at the end of the bracket.
 void NearestDecisions::tell(NearestAsked& asked, const Change& change) {
   const ObjectId question = table_.id(asked.fence);
   const std::int64_t error_ns = clock_error_ns(asked, change.to);

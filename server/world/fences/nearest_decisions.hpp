@@ -13,26 +13,26 @@
 
 namespace collided::engine {
 
-/// How far a question that stays for the nearest object is decided.
+/// State of a standing question for the nearest object, as far as it is decided.
 struct NearestProgress {
   std::uint32_t group = 0;
-  ObjectId about = 0;        // its carrier then; 0: a point, or none
-  bool is_begun = false;     // it was decided with that carrier
-  bool has_nearest = false;  // it had one then
+  ObjectId about = 0;        // its carrier at that time; 0: a point, or none
+  bool is_begun = false;     // it was decided with this carrier
+  bool has_nearest = false;  // there was a nearest at that time
   std::int64_t decided_ns = 0;
-  double reach_m = 0;           // the nearest was surely no farther away then
-  std::uint64_t cut_short = 0;  // searches that ended at their limit of looks, so far
+  double reach_m = 0;           // upper bound on the distance of the nearest at that time
+  std::uint64_t cut_short = 0;  // searches so far that ended at their evaluation limit
 };
 
-/// Where a question's objects are found.
+/// Sources of a question's objects.
 struct NearestSources {
   FenceTable& table;
-  const MotionHistory& paths;  // from the time on to which the questions are decided
+  const MotionHistory& paths;  // starts at the time up to which the questions are decided
 };
 
-/// What one step decides of the questions for the nearest object: sends to the ledger which one it is, from when on.
-/// Another one takes its place once it is surely nearer by the hysteresis, which a tie is not; so does none, once the
-/// nearest is surely beyond its reach.
+/// Decides the questions for the nearest object in one step: sends to the ledger which object is nearest, and since
+/// when. Another object replaces the nearest once it is certainly nearer by the hysteresis; a tie is not enough. The
+/// nearest ends without a successor once it is certainly beyond its reach.
 class NearestDecisions {
  public:
   NearestDecisions(const StepView& step, const Grid& movers, const NearestSources& from, ContactLedger& ledger,
@@ -50,14 +50,14 @@ class NearestDecisions {
  private:
   static constexpr std::uint32_t kNone = FenceTable::kNone;
 
-  /// A question while it is decided. Objects are slots.
+  /// A question during its decision. Objects are slots.
   struct NearestAsked {
     std::uint32_t fence = 0;
     NearestProgress& question;
     const NearestGroup& group;
     const NearestRule& rule;
     std::uint32_t about = kNone;    // kNone: a point
-    std::uint32_t nearest = kNone;  // kNone: nothing is near enough
+    std::uint32_t nearest = kNone;  // kNone: no object is near enough
   };
   struct Stretch {
     std::int64_t from_ns = 0;
@@ -66,7 +66,7 @@ class NearestDecisions {
   struct Change {
     std::uint32_t to = kNone;
     BracketNs bracket;
-    bool is_by_step = false;  // it happened when the step found it, as the removal of the one before did
+    bool is_by_step = false;  // it happened when the step found it, as after the removal of the previous nearest
   };
 
   // The question as a whole.
@@ -84,7 +84,7 @@ class NearestDecisions {
   const OpenContact* open_of(std::uint32_t fence) const;
   void note_reach(const NearestAsked& asked, std::int64_t time_ns);
 
-  // Who may be nearest.
+  // Candidates for the nearest.
   bool may_be(const NearestAsked& asked, std::uint32_t slot) const;
   void find_candidates(const NearestAsked& asked, const Aabb& box);
   void order_found();
@@ -92,7 +92,7 @@ class NearestDecisions {
   double reach_m(const NearestAsked& asked, const Stretch& piece);
   std::uint32_t nearest_of_found(const NearestAsked& asked, std::int64_t time_ns);
 
-  // When that changes.
+  // Changes of the nearest.
   std::optional<Change> first_change(const NearestAsked& asked, const Stretch& piece);
   std::optional<BracketNs> first_time(const NearestAsked& asked, std::uint32_t nearer, const Stretch& piece,
                                       std::int64_t until_ns);
@@ -116,8 +116,8 @@ class NearestDecisions {
   ContactLedger& ledger_;
   StepCost& cost_;
   WalkCost walk_;
-  std::vector<std::uint32_t> found_;  // candidates, by name
-  std::int64_t cut_from_ns_ = 0;      // from when on some search of a change did not look; kForEver: all did
+  std::vector<std::uint32_t> found_;  // candidates, sorted by name
+  std::int64_t cut_from_ns_ = 0;      // start of the time not covered by a cut-short search; kForEver: none
 };
 
 }  // namespace collided::engine

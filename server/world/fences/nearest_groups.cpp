@@ -8,7 +8,7 @@ namespace collided::engine {
 namespace {
 
 bool looks_at(const NearestGroup& group, const ObjectInfo& object) {
-  // Parts of a scene share one mesh, and have no body that distances could be measured from.
+  // Parts of a scene share one mesh, and have no body of their own to measure distances from.
   if (object.scene_part != kNoScenePart || (object.filter.layers & group.mask) == 0) return false;
   if (!group.skip.empty() && wire_contract::glob_matches(group.skip, object.name)) return false;
   return wire_contract::glob_matches(group.only, object.name);
@@ -67,7 +67,7 @@ void NearestGroups::follow(const StepView& step) {
 
 void NearestGroups::look_at_all(const StepView& step, NearestGroup& group) {
   for (std::uint32_t slot = 0; slot < step.rows.size(); ++slot) look_at(step, group, slot);
-  // Its questions are new, and look at all of it in any case.
+  // Its questions are new, and examine all members in any case.
   group.came.clear();
   gather_sources(step, group);
 }
@@ -78,7 +78,7 @@ void NearestGroups::look_at_changes(const StepView& step, NearestGroup& group) {
   for (const std::uint32_t slot : step.rows.moved()) {
     const ObjectInfo* info = step.rows.info(slot);
     const bool is_same = info != nullptr && group.holds(slot) && group.members[slot] == info->id;
-    // One that follows another object takes its publisher's time, and is marked as new.
+    // An object that is attached to another takes the time of that one's publisher, and is marked as new.
     is_changed = is_changed || (group.holds(slot) && (!is_same || step.rows.is_new(slot)));
     if (!is_same) look_at(step, group, slot);
   }
@@ -112,7 +112,7 @@ void NearestPaths::follow(const StepView& step, std::uint32_t slot) {
       history_.add(slot, way_of_step(step, slot));
     return;
   }
-  // What the step still knows of it, this step's motion included.
+  // What the step still knows about it, including this step's motion.
   history_.forget(slot);
   is_followed_[slot] = 1;
   if (step.motion.history().is_travelling(slot)) {

@@ -7,25 +7,26 @@
 namespace collided::engine {
 namespace {
 
-/// Of tests of pairs of parts.
+/// Tests of pairs of parts.
 constexpr LookBudget kRegionLooks{.most = 10'000, .of_step = 50'000, .least = 200};
 
 const Pose kWorldPose;
 
-/// The box is upright and surely holds the point: a difference and a comparison round too little to matter.
+/// True if the box is axis-aligned and certainly holds the point: a difference and a comparison round too little to
+/// matter.
 bool surely_holds_point(const Box& box, const Vec3& point) {
   if (box.axes != Mat3::Identity()) return false;
   return ((point - box.center).cwiseAbs().array() * (1 + kFewSlack) < box.half_m.array()).all();
 }
 
-/// The whole object is one ball or box about its frame's origin, which then is a point of it.
+/// True if the whole object is one ball or box centred on its frame's origin, so that the origin is a point of it.
 bool is_about_origin(const ObjectInfo& info, const std::optional<Sphere>& ball) {
   if (ball) return ball->center.isZero(0);
   const Box* box = lone_box(info);
   return box != nullptr && box->center.isZero(0);
 }
 
-/// Testing one against another asks nothing of their bounds, and takes no longer than to work these out.
+/// Testing two of these needs no bounds, and takes no longer than computing bounds.
 bool is_ball_or_box(const ObjectInfo& info) { return lone_box(info) != nullptr || lone_sphere(info); }
 
 }  // namespace
@@ -36,14 +37,14 @@ bool RegionPredicate::surely_holds(std::uint32_t fence, std::uint32_t mover) {
   return box != nullptr && surely_holds_point(*box, rows_[mover].pose.position);
 }
 
-/// A region in the world was found by the bounds of all of the motion, so they need no second look.
+/// A region in the world was found by the bounds of the whole motion, so they need no second test.
 bool RegionPredicate::may_hold(const StandingPiece& piece) {
   return !table_.is_carried(piece.fence) ||
          overlaps(bounds(*rows_.info(piece.mover), piece.mover_motion, rows_[piece.mover].reach_m),
                   bounds(table_.body(piece.fence), piece.fence_motion, table_.reach_m(piece.fence)));
 }
 
-/// What a single convex object that goes straight does in a piece shows from both its ends.
+/// The two ends of a piece show everything that a single convex object does if it moves straight.
 bool RegionPredicate::may_turn_back(const StandingPiece& piece) {
   return !touch_at_most_once(*rows_.info(piece.mover), piece.mover_motion, table_.body(piece.fence),
                              piece.fence_motion);
@@ -79,7 +80,7 @@ Placed RegionPredicate::placed_fence(std::uint32_t fence, const Frame& frame) {
   return placed;
 }
 
-/// Of two whose surfaces do not touch at that time: one holds some of the other.
+/// For two whose surfaces do not touch at that time: true if one contains some of the other.
 bool RegionPredicate::is_within_at(const StandingPiece& piece, double t) {
   if (!rows_.info(piece.mover)->rare->solid && !table_.body(piece.fence).rare->solid) return false;
   const Placed mover = placed_at(rows_, piece.mover, piece.mover_motion.at(t));
@@ -88,7 +89,7 @@ bool RegionPredicate::is_within_at(const StandingPiece& piece, double t) {
   return holds_some(fence, mover, lists_.mover_points) || holds_some(mover, fence, lists_.fence_points);
 }
 
-/// Of two whose surfaces do not meet: the outer one, a solid mesh, has some of the inner one within it.
+/// For two whose surfaces do not meet: true if the outer one, a solid mesh, contains some of the inner one.
 bool RegionPredicate::holds_some(const Placed& outer, const Placed& inner, PiecePoints& points) {
   if (!outer.info->rare->solid) return false;
   Deadline never;
@@ -106,7 +107,7 @@ SweptContact RegionPredicate::first_within(const StandingPiece& piece) {
   return sweep_span(piece, {0, 1});
 }
 
-/// The first contact of the reversed motion.
+/// first_within() of the reversed motion.
 SweptContact RegionPredicate::last_within(const StandingPiece& piece) {
   SweptContact last = first_within(piece.reversed());
   last.bracket = reversed(last.bracket);
@@ -126,14 +127,14 @@ SweptContact RegionPredicate::sweep_span(const StandingPiece& piece, const TimeS
   return touch;
 }
 
-/// The exact sweep of the one's sphere along its motion relative to the other; nothing where it is no lone sphere.
+/// The exact sweep of one object's sphere along its motion relative to the other; nothing if it is not a lone sphere.
 std::optional<SweptContact> RegionPredicate::sweep_sphere(const StandingPiece& piece, bool is_mover) {
   const std::optional<Sphere> sphere =
       is_mover ? rows_.lone_sphere(piece.mover) : lone_sphere(table_.body(piece.fence));
   if (!sphere) return std::nullopt;
   const BodyMotion& motion = is_mover ? piece.mover_motion : piece.fence_motion;
   const BodyMotion& others = is_mover ? piece.fence_motion : piece.mover_motion;
-  // The centre moves straight only where the body does not rotate about another point.
+  // The centre moves straight only if the body does not rotate about another point.
   if (motion.turn_rad != 0 && (!sphere->center.isZero(0) || motion.pivot_m > 0)) return std::nullopt;
   SphereSweep sweep{.mover = {.start = place(motion.from, sphere->center) + others.travel,
                               .end = place(motion.to, sphere->center),
@@ -170,7 +171,7 @@ bool RegionPredicate::find_times(const StandingPiece& piece, bool was_in, const 
   return true;
 }
 
-/// Of an object that is in: whether the surfaces touch when the piece begins. Without a solid mesh nothing else is in.
+/// For an object inside: whether the surfaces touch when the piece begins. Without a solid mesh they must.
 TouchAtEnd RegionPredicate::surfaces_at_begin(const StandingPiece& piece) {
   if (!rows_.info(piece.mover)->rare->solid && !table_.body(piece.fence).rare->solid) return {.yes = true};
   const ContactSearch touch = touch_surfaces(piece, piece.mover_motion.from, piece.fence_motion.from);

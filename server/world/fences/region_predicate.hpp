@@ -18,46 +18,46 @@ struct StandingLists {
   PiecePoints mover_points;
   PiecePoints fence_points;
   std::vector<std::int64_t> cuts;
-  ContactTimes times;  // of the surfaces of the pair at hand, in the piece at hand
+  ContactTimes times;  // of the surfaces of the current pair, in the current piece
 };
 
-/// Whether an object is in a region: they touch, or one, a solid mesh, has some of the other within it. Decided by the
-/// tests and sweeps that decide contacts.
+/// Whether an object is in a region: they touch, or one, a solid mesh, contains some of the other. Decided by the tests
+/// and sweeps that decide contacts.
 ///
-/// One piece is decided after another: find_times() and is_in_after() read what at_end() found.
+/// Pieces are decided one after another: find_times() and is_in_after() read what at_end() found.
 class RegionPredicate {
  public:
   using Time = SweptContact;
-  /// An object that comes in and goes out again within one piece is reported as having crossed the region.
+  /// An object that enters and leaves within one piece is reported as having crossed the region.
   static constexpr bool kReportsCrossings = true;
-  /// After an instant that shows it in, an object no longer has the contact of where it came in.
+  /// Once an instant shows the object inside, the contact of its entry is dropped.
   static constexpr bool kForgetsEntry = true;
 
   RegionPredicate(const StepView& step, FenceTable& table, StandingLists& lists, StepCost& cost)
       : step_(step), rows_(step.rows), table_(table), lists_(lists), cost_(cost) {}
 
-  /// Of an object that is in a region of the world: it is so still. A filter: false says nothing.
+  /// For an object inside a fixed region: true if it certainly still is. A filter: false means unknown.
   bool surely_holds(std::uint32_t fence, std::uint32_t mover);
-  /// A filter: false says that the object is not in at any time of the piece.
+  /// A filter: false means that the object is not inside at any time of the piece.
   bool may_hold(const StandingPiece& piece);
-  /// The object may come in or go out more than once in the piece.
+  /// True if the object may enter or leave more than once in the piece.
   bool may_turn_back(const StandingPiece& piece);
   Decision at_end(const StandingPiece& piece, bool was_in);
-  /// Of an object that came in within the piece and is not surely in at its end: it is out there.
+  /// For an object that entered within the piece and is not certainly inside at its end: true if it is outside there.
   bool is_out_at_end(const StandingPiece&, Decision at_end) { return at_end == Decision::no; }
   SweptContact first_within(const StandingPiece& piece);
   SweptContact last_within(const StandingPiece& piece);
   void describe(const StandingPiece&, const SweptContact& first, FoundContact& found) { found.contact = first.contact; }
-  /// An instant shows that the object is in, not where it came in.
+  /// Nothing: an instant shows that the object is inside, but not where it entered.
   void describe_instant(const StandingPiece&, FoundContact&) {}
 
-  /// Finds all intervals in which the surfaces of the two touch. False: nothing changes within the piece, or they do not
-  /// touch in it.
+  /// Finds all intervals in which the surfaces of the two touch. False: nothing changes within the piece, or they do
+  /// not touch in it.
   ///
-  /// first  of an object that was out: the first contact
+  /// first  the first contact, for an object that was outside
   bool find_times(const StandingPiece& piece, bool was_in, const SweptContact* first);
   const ContactTimes& times() const { return lists_.times; }
-  /// The object is in after that interval, since one of the two holds some of the other.
+  /// True if the object is inside after that interval, since one of the two contains some of the other.
   bool is_in_after(const StandingPiece& piece, std::size_t interval);
 
  private:
@@ -75,11 +75,11 @@ class RegionPredicate {
   StandingLists& lists_;
   StepCost& cost_;
   WalkCost walk_;
-  ContactSearch touch_;     // at the end of the piece at hand
-  bool is_within_ = false;  // one holds some of the other there, and their surfaces do not touch
+  ContactSearch touch_;     // at the end of the current piece
+  bool is_within_ = false;  // there one contains some of the other, and their surfaces do not touch
 };
 
-/// Of a contact that was not found: the whole piece.
+/// The whole piece if no contact was found.
 inline TurnTime turn_time(const SweptContact& found) {
   return {found.yes ? found.bracket : TimeBracket{0, 1}, found.contact.point, found.contact.normal};
 }

@@ -23,8 +23,8 @@ bool StandingDecisions::looks_at(std::uint32_t fence, std::uint32_t mover) const
   return rule.only.empty() || wire_contract::glob_matches(rule.only, info->name);
 }
 
-/// A pair is reported once: where both objects have bands about them, by those of the name that comes first. Static objects
-/// of either group have bands. The mask is one of objects of `only`, whichever of the two has the bands.
+/// A pair is reported once: if both objects have bands around them, by the bands of the first name. Static objects of
+/// either group have bands. The mask applies to the object of `only`, whichever of the two has the bands.
 bool StandingDecisions::band_looks_at(std::uint32_t fence, const ObjectInfo& mover) const {
   const FenceRule& rule = table_.rule(fence);
   const ObjectInfo* about = rows_.info(table_.carrier(fence));
@@ -49,7 +49,7 @@ void StandingDecisions::decide(std::uint32_t fence, std::uint32_t mover, bool is
   decide_carried(fence, mover, carrier);
 }
 
-/// Where the object was placed, only the place counts; else all of its motion.
+/// If the object was placed, only the place counts; else its whole motion.
 void StandingDecisions::decide_at_rest_in_the_world(std::uint32_t fence, std::uint32_t mover) {
   if (!rows_.has_moved(mover)) return;
   const ObjectRow& row = rows_[mover];
@@ -64,7 +64,7 @@ void StandingDecisions::decide_at_rest_in_the_world(std::uint32_t fence, std::ui
                 .fence_motion = BodyMotion::resting(kWorldFrame)});
 }
 
-/// Both are known up to the same instant, and whichever moved did so in the same time.
+/// Both are known up to the same instant, and those that moved did so in the same time.
 void StandingDecisions::decide_carried(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier) {
   const Motion how = std::max(rows_.motion(mover), rows_.motion(carrier));
   if (how == Motion::none) return;
@@ -109,7 +109,7 @@ void StandingDecisions::decide_on_common_time(std::uint32_t fence, std::uint32_t
   }
 }
 
-/// Decides where both are now, or at the newest instant known of both: nothing is said of the time before the fence.
+/// Decides the present, or the newest instant known of both: nothing is reported for the time before the fence.
 void StandingDecisions::decide_new(std::uint32_t fence, std::uint32_t mover) {
   const std::uint32_t carrier = table_.carrier(fence);
   if (carrier != FenceTable::kNone && are_on_common_time(step_, carrier, mover)) {

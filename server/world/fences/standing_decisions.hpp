@@ -13,20 +13,20 @@
 
 namespace collided::engine {
 
-/// An object comes in or goes out.
+/// An object enters or leaves.
 struct Turn {
   bool comes_in = false;
   BracketNs bracket;
   FoundContact found;                    // without its bracket
-  std::uint64_t considered_in_step = 0;  // of one that is pending
+  std::uint64_t considered_in_step = 0;  // for a pending one
 };
 
-/// Turns too short a time ago to be reported, by object and fence.
+/// Turns that have not lasted long enough to be reported, by object and fence.
 using PendingTurns = std::map<std::pair<ObjectId, ObjectId>, Turn>;
 
-/// What one step decides of objects and fences: sends to the ledger which object is in a fence, which came and which
-/// went. It cuts what is newly known of the two into pieces of motion, and in each piece asks the predicate of the
-/// fence's form when it begins and ends to hold: RegionPredicate or BandPredicate. An object and a fence in the world
+/// Decides objects and fences in one step: sends to the ledger which object is in a fence, and which entered or left.
+/// It divides the newly known time of the two into pieces of motion, and in each piece asks the predicate of the
+/// fence's form when it starts and stops to hold: RegionPredicate or BandPredicate. An object and a fence in the world
 /// need no common time: the fence is known for ever. A carried fence has the time of its carrier.
 class StandingDecisions {
  public:
@@ -42,22 +42,22 @@ class StandingDecisions {
         regions_(step, table, lists, cost),
         bands_(step, table, cost) {}
 
-  /// The fence looks at this object: by its rule, and it is not its carrier.
+  /// True if the fence monitors this object: its rule matches, and the object is not its carrier.
   bool looks_at(std::uint32_t fence, std::uint32_t mover) const;
-  /// Of one that is in: it is so still. A filter: false says nothing.
+  /// For an object inside: true if it certainly still is. A filter: false means unknown.
   bool surely_stays(std::uint32_t fence, std::uint32_t mover) { return regions_.surely_holds(fence, mover); }
-  /// Decides all that is newly known of the two.
+  /// Decides all newly known time of the two.
   ///
-  /// is_new  the fence came, or found its carrier, since the last step: only where the object is now counts
+  /// is_new  the fence was added, or bound to its carrier, since the last step: only the object's current place counts
   void decide(std::uint32_t fence, std::uint32_t mover, bool is_new);
-  /// The pending turn of the two, if there is one, was decided in this step.
+  /// Marks that the pending turn of the two, if there is one, was decided in this step.
   void note_considered(std::uint32_t fence, std::uint32_t mover, std::uint64_t step);
   /// Reports the turns that have lasted for their dwell by the time up to which both objects are known.
   void settle();
 
  private:
   using Pending = PendingTurns::iterator;
-  /// How the stay of an object ends if it was in and is not any more.
+  /// How the stay of an object ends that was inside and no longer is.
   struct Departure {
     EndReason reason = EndReason::none;
     BracketNs bracket;
@@ -65,7 +65,7 @@ class StandingDecisions {
 
   bool band_looks_at(std::uint32_t fence, const ObjectInfo& mover) const;
 
-  // The pieces of what is newly known.
+  // Pieces of the newly known time.
   void decide_at_rest_in_the_world(std::uint32_t fence, std::uint32_t mover);
   void decide_carried(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier);
   void decide_on_common_time(std::uint32_t fence, std::uint32_t mover, std::uint32_t carrier);
@@ -75,7 +75,7 @@ class StandingDecisions {
   void decide_piece(const StandingPiece& piece);
   void decide_instant(const StandingPiece& instant, const Departure& left);
 
-  // The turns in one piece, by the predicate of the fence's form.
+  // Turns in one piece, by the predicate of the fence's form.
   template <class Predicate>
   void decide_piece_of(Predicate& predicate, const StandingPiece& piece);
   template <class Predicate>
@@ -98,7 +98,7 @@ class StandingDecisions {
   template <class Predicate>
   Turn coming_in(Predicate& predicate, const StandingPiece& piece, const typename Predicate::Time& first);
 
-  // Reports turns.
+  // Reporting turns.
   void turn(const StandingPiece& piece, const Turn& turned, EndReason reason);
   bool outlasts(const StandingPiece& piece, Pending here, const Turn& next);
   void report(ObjectId a, ObjectId b, const Turn& turned, EndReason reason);

@@ -35,7 +35,8 @@ std::uint64_t StandingNearest::cut_short(std::uint32_t fence) const {
   return found == questions_.end() ? 0 : found->second.cut_short;
 }
 
-/// Of all that some question is about: of what is newly so, what the step still knows; of the others, what is new.
+/// Follows all objects of the questions: what the step still knows about newly monitored objects, and what is new about
+/// the others.
 void StandingNearest::follow_paths(const StepView& step) {
   const auto follow = [&](std::uint32_t slot) {
     const bool is_there = step.rows.info(slot) != nullptr;

@@ -13,12 +13,12 @@
 
 namespace collided::engine {
 
-/// The questions that stay for the nearest object. Each is a fence without bounds: in the ledger a is the object that is
-/// nearest and b the question.
+/// The standing questions for the nearest object. Each is a fence without bounds: in the ledger a is the nearest object
+/// and b the question.
 ///
-/// A question is decided up to the time at which all objects that it looks at are known, in pieces between the instants
-/// of their publishers; so its events follow from definitions and poses alone.
-/// threads  the writer's only
+/// A question is decided up to the time at which all its monitored objects are known, in pieces between the instants of
+/// their publishers, so its events follow from definitions and poses alone.
+/// threads  the writer only
 class StandingNearest {
  public:
   StandingNearest(FenceTable& table, ContactLedger& ledger) : table_(table), ledger_(ledger) {}
@@ -26,9 +26,10 @@ class StandingNearest {
   void add(std::uint32_t fence);
   void remove(std::uint32_t fence);
   bool empty() const { return questions_.empty(); }
-  /// A motion, or a question, may not be decided though nothing moves now.
+  /// True if a motion or a question may be undecided though nothing moves now.
   bool has_news() const { return has_new_ || !paths_.history().travelling().empty(); }
-  /// How many searches of a question ended at their limit of looks, so that who came and went may not have been told.
+  /// Number of a question's searches that ended at their evaluation limit, so that changes of the nearest may be
+  /// missing.
   std::uint64_t cut_short(std::uint32_t fence) const;
   /// movers  index over the motions of the step
   void decide(const StepView& step, const Grid& movers, StepCost& cost);

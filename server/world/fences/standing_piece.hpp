@@ -21,8 +21,8 @@ inline double bracket_width(std::int64_t from_ns, std::int64_t to_ns) {
   return std::clamp(kWidth_s / length_s, kNarrowestBracket, kWidestBracket);
 }
 
-/// Looks at bodies that one search along a motion may take, and those of a step together before each search has only
-/// the least.
+/// Evaluations that one search along a motion may make, and the total of a step after which each search has only the
+/// least.
 struct LookBudget {
   std::uint32_t most = 0;
   std::uint32_t of_step = 0;
@@ -41,7 +41,7 @@ struct StandingPiece {
   BodyMotion fence_motion;
 
   double seconds() const { return static_cast<double>(to_ns - from_ns) * wire_contract::kNanosecond_s; }
-  /// The same with time reversed.
+  /// The piece with time reversed.
   StandingPiece reversed() const {
     StandingPiece back = *this;
     back.mover_motion = mover_motion.reversed();
@@ -50,7 +50,7 @@ struct StandingPiece {
   }
 };
 
-/// When a predicate begins or ends to hold in a piece, as fractions of it, and where the two are nearest then.
+/// When a predicate starts or stops to hold in a piece, as fractions of it, and where the two are nearest then.
 struct TurnTime {
   TimeBracket bracket;
   Vec3 point = Vec3::Zero();
@@ -59,7 +59,7 @@ struct TurnTime {
 
 inline BracketNs at_once(std::int64_t time_ns) { return {time_ns, time_ns}; }
 
-/// The bracket of a time that was found in the reversed piece.
+/// Converts a bracket of time from the reversed piece.
 inline TimeBracket reversed(const TimeBracket& bracket) { return {1 - bracket.high, 1 - bracket.low}; }
 
 inline bool is_same(const Frame& a, const Frame& b) { return a.position == b.position && a.rotation == b.rotation; }

@@ -1,4 +1,4 @@
-// How objects come into fences and go out in one piece of motion, and when that is reported.
+// How objects enter and leave fences in one piece of motion, and when that is reported.
 
 #include <algorithm>
 #include <optional>
@@ -16,7 +16,7 @@ void StandingDecisions::decide_instant(const StandingPiece& instant, const Depar
   table_.is_band(instant.fence) ? decide_instant_of(bands_, instant, left) : decide_instant_of(regions_, instant, left);
 }
 
-/// An object that is in goes out, stays, or is in doubt, which does not end its stay; another one comes in within the
+/// An object inside leaves, stays, or is in doubt, which does not end its stay; an object outside enters within the
 /// piece or does not.
 template <class Predicate>
 void StandingDecisions::decide_piece_of(Predicate& predicate, const StandingPiece& piece) {
@@ -42,7 +42,7 @@ void StandingDecisions::decide_one_in(Predicate& predicate, const StandingPiece&
   else if (at_end == Decision::no) go_out(predicate, piece);
 }
 
-/// first  when the object first comes in
+/// first  when the object first enters
 template <class Predicate>
 void StandingDecisions::decide_one_out(Predicate& predicate, const StandingPiece& piece, Decision at_end,
                                        const typename Predicate::Time& first) {
@@ -88,7 +88,8 @@ void StandingDecisions::go_out(Predicate& predicate, const StandingPiece& piece)
   turn(piece, left, EndReason::separated);
 }
 
-/// Surfaces of meshes, of objects of several parts, and of whatever turns: all their contacts in the piece at once.
+/// For surfaces of meshes, objects of several parts, and anything that rotates: all their contacts in the piece at
+/// once.
 void StandingDecisions::decide_turns(RegionPredicate& region, const StandingPiece& piece, bool was_in) {
   const Decision at_end = decision_at_end(region, piece, was_in);
   SweptContact first;
@@ -101,12 +102,12 @@ void StandingDecisions::decide_turns(RegionPredicate& region, const StandingPiec
   was_in ? decide_one_in(region, piece, at_end) : decide_one_out(region, piece, at_end, first);
 }
 
-/// The object is in as its surface meets that of the region and between, where one holds some of the other.
+/// The object is inside while its surface meets that of the region, and in between if one contains some of the other.
 void StandingDecisions::report_times(RegionPredicate& region, const StandingPiece& piece, bool was_in) {
   const std::vector<ContactInterval>& intervals = region.times().intervals;
   std::optional<Turn> came;
   bool is_in_now = was_in;
-  // An object that could not be followed to the end of the last interval may have gone out and come in again.
+  // An object that could not be followed to the end of the last interval may have left and entered again.
   const Doubt last_doubt = region.times().is_last_in_doubt() ? Doubt::cost_limit : Doubt::none;
   for (std::size_t i = 0; i < intervals.size(); ++i) {
     const ContactInterval& interval = intervals[i];
@@ -127,7 +128,7 @@ void StandingDecisions::report_times(RegionPredicate& region, const StandingPiec
   else ledger_.doubts(found_at(*came), last_doubt);
 }
 
-/// Distances: each coming in and going out by alternating searches, and the last pose decides exactly.
+/// For distances: finds each entry and exit by alternating searches; the last pose decides exactly.
 void StandingDecisions::decide_turns(BandPredicate& band, const StandingPiece& piece, bool was_in) {
   bool is_in_now = was_in;
   double from = 0;
@@ -169,12 +170,12 @@ void StandingDecisions::decide_instant_of(Predicate& predicate, const StandingPi
   }
   const Turn gone{.comes_in = false, .bracket = left.bracket, .found = found_in(instant)};
   if (left.reason != EndReason::teleported) return turn(instant, gone, left.reason);
-  // An object that is put elsewhere is gone, however short a time ago.
+  // A teleported object leaves at once, without dwell.
   if (const Pending came = pending_of(instant); came != pending_.end()) pending_.erase(came);
   if (ledger_.holds(gone.found.a, gone.found.b)) report(gone.found.a, gone.found.b, gone, left.reason);
 }
 
-/// An object that was in is out, or the other way round: reported if the dwell is over, forgotten if it turned back
+/// An object that was inside is outside, or the reverse: reported if the dwell is over, dropped if it turned back
 /// before.
 void StandingDecisions::turn(const StandingPiece& piece, const Turn& turned, EndReason reason) {
   const std::pair<ObjectId, ObjectId> pair{rows_.info(piece.mover)->id, table_.id(piece.fence)};
@@ -183,15 +184,15 @@ void StandingDecisions::turn(const StandingPiece& piece, const Turn& turned, End
     pending_.erase(before);
     if (!lasted) return;
   }
-  // Whatever is found of a lost object is in doubt at once.
+  // Any finding about a lost object is in doubt at once.
   const bool waits =
       table_.rule(piece.fence).dwell_ns(turned.comes_in) > 0 && !ledger_.has_lost(pair.first, pair.second);
   if (waits) pending_.insert_or_assign(pair, turned);
   else report(pair.first, pair.second, turned, reason);
 }
 
-/// Whether the pending turn lasted for its dwell before the next one; then it is reported. If the brackets of the two
-/// leave that open, it is reported as a doubt.
+/// True if the pending turn lasted for its dwell before the next one; then it is reported. If their brackets leave that
+/// open, it is reported as a doubt.
 bool StandingDecisions::outlasts(const StandingPiece& piece, Pending here, const Turn& next) {
   const Turn& pending = here->second;
   const auto& [a, b] = here->first;
@@ -226,10 +227,10 @@ FoundContact StandingDecisions::found_at(const Turn& turned) const {
   return found;
 }
 
-/// doubt  why it is not known that the object did not come in again; none: it did not
+/// doubt  why it is unknown whether the object entered again; none: it did not
 void StandingDecisions::report_crossing(const Turn& came, const BracketNs& left, Doubt doubt) {
   FoundContact found = found_at(came);
-  // It went out no earlier than it came in.
+  // It left no earlier than it entered.
   found.parted_low_s = std::min(step_.seconds_ago(left.low_ns), found.bracket_low_s);
   found.parted_high_s = std::min(step_.seconds_ago(left.high_ns), found.parted_low_s);
   if (doubt != Doubt::none) return ledger_.doubted_and_parted(found, doubt);
@@ -280,19 +281,19 @@ StandingDecisions::Pending StandingDecisions::pending_of(const StandingPiece& pi
   return pending_.find({rows_.info(piece.mover)->id, table_.id(piece.fence)});
 }
 
-/// Whether the object is in as of now, reported or not.
+/// True if the object is inside at present, reported or not.
 bool StandingDecisions::is_in(const StandingPiece& piece) {
   const bool is_reported = ledger_.holds(rows_.info(piece.mover)->id, table_.id(piece.fence));
   return is_reported != (pending_of(piece) != pending_.end());
 }
 
-/// There is room for one more in a fence; else the search is marked as cut short.
+/// True if there is room for one more entry; else the search is marked as cut short.
 bool StandingDecisions::may_begin() {
   cost_.truncated = cost_.truncated || ledger_.open().size() >= step_.options.max_contacts;
   return !cost_.truncated;
 }
 
-/// Bracketed by the whole piece; callers that know a narrower bracket set it.
+/// Bracketed by the whole piece; callers with a narrower bracket set it.
 FoundContact StandingDecisions::found_in(const StandingPiece& piece) const {
   FoundContact found{.a = rows_.info(piece.mover)->id, .b = table_.id(piece.fence), .contact = {}};
   const BracketNs bracket = whole(piece);
@@ -313,8 +314,8 @@ BracketNs StandingDecisions::bracket_of(const StandingPiece& piece, const TurnTi
   return {found.low_ns - error_ns, found.high_ns + error_ns};
 }
 
-/// A fence in the world has the clock of the mover; one that an object carries has its publisher's. A band about an
-/// object that never moves has the mover's.
+/// A fence in the world has the mover's clock; a carried one has its carrier's. A band around an object that never
+/// moves has the mover's.
 std::int64_t StandingDecisions::clock_error_ns(const StandingPiece& piece) const {
   const std::uint32_t carrier = table_.carrier(piece.fence);
   if (carrier == FenceTable::kNone || rows_.source(carrier) == rows_.source(piece.mover)) return 0;
