@@ -8,7 +8,7 @@ namespace collided::engine {
 
 namespace {
 
-/// Of near: farther than the last one answered, nothing can contradict.
+/// For near: nothing farther than the last answered one can contradict.
 double far_of(const Questions& question, const Answers& given) {
   if (question.kind != QuestionKind::near || given.hits.size() < question.max_hits) return question.numbers.back();
   return given.hits.back().distance_m + given.hits.back().error_m;

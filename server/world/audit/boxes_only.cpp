@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kNever = std::numeric_limits<double>::infinity();
 
-/// Where a line enters a box, in units of its direction's length; kNever where it misses. Plain slab test.
+/// Where a line enters a box, in units of its direction's length; kNever if it misses. Plain slab test.
 double entry(const Ray& ray, const Aabb& box) {
   double near = 0;
   double far = kNever;
@@ -53,7 +53,7 @@ std::optional<double> ray_distance(const Snapshot& snapshot, const double* n) {
   const double length_m = ray.direction.stableNorm();
   const double limit = n[6] / length_m;
   WalkCost cost;
-  // A little beyond the limit, so that a box at the very end differs from none.
+  // A little beyond the limit, so that a box at the very end does not differ from no box.
   const double s = least(
       snapshot, std::nextafter(limit, kNever), [&](const Aabb& box) { return entry(ray, box); },
       [&](const Bvh& tree, double from, Bvh::RayCandidate call) { tree.walk_ray(ray, from, 0, call, cost); },

@@ -7,8 +7,8 @@
 
 namespace collided::engine {
 
-/// What the broad phase alone would answer, to show what exactness costs: bounding boxes stand for their contents.
-/// Never misses an object that is hit; often hits one that is missed.
+/// The answer of the broad phase alone, to show the cost of exactness: bounding boxes stand for their contents. Never
+/// misses an object that is hit; often hits one that is missed.
 struct BoxesAnswer {
   std::optional<double> distance_m;  // ray and near: to the nearest box, metres; empty: none in reach
   std::set<ObjectId> objects;        // sphere and box: those whose boxes overlap the queried shape's

@@ -19,17 +19,17 @@ namespace collided::engine {
 
 namespace {
 
-/// The roundings of the comparison itself, relative: a difference that small is no finding.
+/// The rounding of the comparison itself, relative: a smaller difference is not reported.
 constexpr double kComparing = 0x1p-50;
 
-/// Relative margins of what is left out of the exact comparison, each many roundings wide: a part that is kept in vain
-/// costs time alone. Of a box's half diagonal, and of its coordinates.
+/// Relative margins for parts left out of the exact comparison, each many roundings wide: a part kept in vain only
+/// costs time. The first is a share of a box's half diagonal, the second of its coordinates.
 constexpr double kPassesByMargin = 1e-6;
 constexpr double kBoundsMargin = 1e-12;
 /// Lengths below this have lost digits to underflow: in doubt.
 constexpr double kLeastSureLength = 1e-100;
 
-/// Surely farther from the line than the box reaches, with a margin of many roundings. False when in doubt.
+/// True if certainly farther from the line than the box reaches, with a margin of many roundings.
 bool passes_by(const Ray& ray, const Aabb& box) {
   const Vec3 middle = box.low / 2 + box.high / 2;
   const Vec3 direction = ray.direction / ray.direction.lpNorm<Eigen::Infinity>();
@@ -47,7 +47,7 @@ double distance_at_least(const Vec3& point, const Aabb& box) {
   return std::isfinite(distance) && distance > kLeastSureLength ? distance : 0;
 }
 
-/// For the numbers given, by rationals.
+/// For the numbers as given, by rationals.
 template <class Shape>
 Decision touches(const Primitive& asked, const GivenPart& given_asked, const Shape& shape, const GivenPart& given) {
   const GivenPair pair{given_asked, given};
@@ -183,7 +183,7 @@ void ExactAnswer::find_nearest(const Snapshot& snapshot, double far_m) {
     const Closest nearest = exactly::closest(point, shape);
     const Interval at(nearest.distance_m, nearest.distance_error_m + given.placing_error_m(point.lpNorm<1>()));
     keep_nearer(distances_, object, at);
-    // Beyond the nearest so far, nothing is asked for.
+    // Nothing beyond the nearest so far is needed.
     if (is_open) far_m = std::min(far_m, at.high);
   });
 }
@@ -274,7 +274,7 @@ std::string ExactAnswer::difference_of_near(const Answers& given) const {
   for (std::size_t i = 0; i < expected; ++i) {
     const AnswerHit& hit = given.hits[i];
     const auto own = distances_.find(hit.object);
-    // A depth is told instead of 0; that the object is there at all is what is judged.
+    // A depth is reported instead of 0; only the presence of the object is judged.
     const bool is_depth = question_.mode == HitMode::signed_near && hit.distance_m < 0;
     const Interval at = is_depth ? Interval(0, 0) : Interval(hit.distance_m, hit.error_m);
     if (own == distances_.end() || !may_be_equal(at, own->second) || !may_be_equal(at, nearest[i])) {

@@ -18,8 +18,8 @@
 namespace collided::engine {
 namespace {
 
-/// How far FCL's distance may be from ours and still agree, beyond our own bound; relative to the size of the two. It absorbs
-/// the step at which FCL's search for the nearest points stops, 1e-6 by its default.
+/// How far FCL's distance may be from ours and still agree, beyond our own bound; relative to the size of the two. It
+/// absorbs the step at which FCL's search for the nearest points stops, 1e-6 by its default.
 /// At zero, FclOpinion.EveryShapeAgrees fails.
 constexpr double kOpinionDistance = 1e-6;
 
@@ -119,7 +119,7 @@ Opinion fcl_opinion(const Snapshot& snapshot, ObjectId a, ObjectId b, const Pair
 
 namespace {
 
-/// All parts that may answer and whose bounds meet those of what was asked about.
+/// All parts that may answer and whose bounds meet those of the question's shape.
 std::vector<ConvexPart> parts_near(const Snapshot& snapshot, const Questions& question, const Aabb& box) {
   std::vector<ConvexPart> parts;
   visit_parts(snapshot, [&](ObjectId object, std::uint32_t, const auto& shape, const GivenPart&) {

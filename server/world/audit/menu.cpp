@@ -36,13 +36,13 @@ std::vector<MenuMethod> methods_for(double size_m) {
 
 bool is_overlap(QuestionKind kind) { return kind == QuestionKind::sphere || kind == QuestionKind::box; }
 
-/// What came out of one way of answering one question.
+/// The result of one method for one question.
 struct Given {
   Answers answers;
   BoxesAnswer boxes;
 };
 
-/// One kind of question: each asked in every way, then judged.
+/// One kind of question: each answered by every method, then judged.
 class WorldQuestions {
  public:
   WorldQuestions(const Snapshot& snapshot, QuestionKind kind, const std::vector<MenuMethod>& methods,
@@ -55,7 +55,7 @@ class WorldQuestions {
 
   void ask(const std::vector<double>& numbers) {
     Questions question{.kind = kind_, .max_hits = kind_ == QuestionKind::near ? 1U : 1'000'000U, .numbers = numbers};
-    // Once untimed: it warms the caches for all methods alike.
+    // Untimed first: warms the caches equally for all methods.
     answer(snapshot_, question, sharp_, scratch_);
     for (std::size_t m = 0; m < given_.size(); ++m) answer_by(m, question);
     if (judging_.is_left()) judging_.spend([&] { judge(question); });
@@ -93,7 +93,7 @@ void WorldQuestions::answer_by(std::size_t m, Questions question) {
 }
 
 void WorldQuestions::judge(const Questions& question) {
-  // An object within an error that was asked for may be named in the nearest one's place: as far as that, all are known.
+  // An object within the allowed error may be named instead of the nearest, so all objects up to there must be known.
   double far_m = 0;
   bool is_far_known = true;
   for (std::size_t m = 0; m < given_.size(); ++m) {
@@ -113,7 +113,7 @@ void WorldQuestions::judge(const Questions& question) {
 }
 
 void WorldQuestions::judge_answer(const ExactAnswer& exact, const Answers& given, MenuRow& row) const {
-  if (given.answers[0] == Verdict::undecided) return;  // it claims nothing
+  if (given.answers[0] == Verdict::undecided) return;  // an undecided answer claims nothing
   if (!exact.difference(given).empty()) {
     ++row.wrong;
     return;
@@ -125,7 +125,7 @@ void WorldQuestions::judge_answer(const ExactAnswer& exact, const Answers& given
           std::max(row.worst_error_m, std::abs(given.hits[0].distance_m - (first->low / 2 + first->high / 2)));
     return;
   }
-  // Of depths there is no second form: they are compared with those that nothing was asked off.
+  // Depths have no second form: they are compared with those without allowed error.
   for (const AnswerHit& hit : given.hits) {
     const auto same = std::find_if(sharp_.hits.begin(), sharp_.hits.end(),
                                    [&](const AnswerHit& h) { return h.object == hit.object; });

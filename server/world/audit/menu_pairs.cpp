@@ -19,9 +19,10 @@
 namespace collided::engine {
 namespace {
 
-/// Two objects of more parts than this are timed only: every part of the one is compared with every part of the other.
+/// Objects of more pairs of parts than this are timed only: judging compares every part of one with every part of the
+/// other.
 constexpr std::size_t kMostJudgedPairs = 4'000'000;
-/// A report of large parts of a scene builds their index first: no more pairs are begun after this.
+/// A report on large parts of a scene builds their index first: no more pairs are started after this time.
 constexpr std::chrono::seconds kAskingTime{10};
 /// An object of more triangles is left out: each report would build an index of them.
 constexpr std::size_t kMostParts = 50'000;
@@ -62,18 +63,18 @@ Decision exactly_overlaps(const ConvexPart& a, const ConvexPart& b) {
   return exactly::overlaps(std::get<Triangle>(a), std::get<Triangle>(b));
 }
 
-/// For the numbers given.
+/// Decides for the numbers as given.
 Decision decided_by_rationals(const PartWithBounds& a, const PartWithBounds& b) {
   const GivenPair given{a.given, b.given};
   const Decision as_given = given.is_exact() ? Decision::undecided : overlaps_as_given(a.part, b.part, given);
   return as_given == Decision::undecided ? exactly_overlaps(a.part, b.part) : as_given;
 }
 
-/// A gap of so many roundings, relative to how far from the origin it is, is one for the numbers given too.
+/// A gap of this many roundings, relative to the distance from the origin, is also one for the numbers as given.
 constexpr double kRoundings = 1e-12;
 
-/// How two objects stand to each other: yes or no by rationals, every part against every part, without an index; and for
-/// those apart the least distance of any two parts.
+/// The relation of two objects: yes or no by rationals, every part against every part, without an index; if apart, the
+/// least distance of any two parts.
 struct ExactPair {
   Decision touches = Decision::no;
   double distance_m = std::numeric_limits<double>::infinity();
@@ -102,7 +103,7 @@ struct ExactPair {
   }
 };
 
-/// The objects to choose from, and random pairs of them: every other time with the nearest one, so that some touch.
+/// The objects to choose from, and random pairs of them: every second time with the nearest one, so that some touch.
 class RandomPairs {
  public:
   RandomPairs(const Snapshot& snapshot, std::uint64_t seed) : random_(seed) {
@@ -144,7 +145,7 @@ class RandomPairs {
   std::vector<MenuObject> candidates_;
 };
 
-/// Pairs of one kind, reported in every way that there is.
+/// Pairs of one kind, reported by every method.
 class PairQuestions {
  public:
   PairQuestions(const Snapshot& snapshot, const std::string& asked_of, const MenuOptions& options)

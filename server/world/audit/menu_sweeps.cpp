@@ -15,10 +15,10 @@
 namespace collided::engine {
 namespace {
 
-/// Relative slack for a place on the way, which is rounded before it is asked about: some thousand roundings.
+/// Relative slack for a point on the path, which is rounded before it is tested: some thousand roundings.
 constexpr double kPlaceSlack = 1e-12;
 
-/// A ball that goes straight from one point to another: all that it passes through is a capsule, which rationals can decide.
+/// A ball that moves straight from one point to another: it sweeps a capsule, which rationals can decide.
 struct BallSweep {
   Vec3 from;
   Vec3 to;
@@ -33,27 +33,27 @@ struct BallSweep {
   }
 };
 
-/// A part near the way, and as it was given.
+/// A part near the path, also as given.
 struct NearPart {
   ConvexPart part;
   GivenPart given;
 };
 
-/// What is met on the way, by rationals over every part, as given.
+/// The contacts on the path, by rationals over every part as given.
 class ExactSweep {
  public:
   ExactSweep(const Snapshot& snapshot, const BallSweep& ball) : ball_(ball) {
     slack_m_ = kPlaceSlack * (ball.from.norm() + ball.to.norm() + ball.radius_m);
     const Aabb reach = bounds(ball.until(1, slack_m_));
     visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape, GivenPart given) {
-      given.frame = nullptr;  // goes with the visit
+      given.frame = nullptr;  // the frame ends with the visit
       if (overlaps(reach, bounds(shape))) near_.push_back({shape, given});
     });
     whole_ = touching(ball.until(1, 0));
   }
 
   Decision whole() const { return whole_; }
-  /// The bracket's promise: nothing up to its beginning, contact by its end.
+  /// True if the bracket is wrong: contact before its beginning, or none by its end.
   bool contradicts(const TimeBracket& bracket) const {
     const bool is_met_before =
         ball_.radius_m > slack_m_ && bracket.low > 0 && touching(ball_.until(bracket.low, -slack_m_)) == Decision::yes;
@@ -125,7 +125,7 @@ class SweepQuestions {
  private:
   static constexpr std::size_t kMethods = 3;
 
-  /// By the box around the whole way.
+  /// Tests by the box around the whole path.
   bool meets_boxes(const BallSweep& ball) const {
     const Aabb box = bounds(ball.until(1, 0));
     const Vec3 middle = box.low / 2 + box.high / 2;

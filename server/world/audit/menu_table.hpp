@@ -11,7 +11,7 @@
 
 namespace collided::engine {
 
-/// A way of answering.
+/// A method of answering.
 struct MenuMethod {
   std::string name;
   Level highest = Level::rational;
@@ -19,7 +19,7 @@ struct MenuMethod {
   bool boxes = false;
 };
 
-/// The rows of one kind of question, one a method, and the times that they take.
+/// The rows of one kind of question, one per method, and their times.
 class MenuTable {
  public:
   MenuTable(std::string_view asked_of, std::vector<MenuMethod> methods)
@@ -37,7 +37,7 @@ class MenuTable {
     work();
     times_ns_[method].push_back((std::chrono::steady_clock::now() - start).count());
   }
-  /// Appends the rows that were asked anything.
+  /// Appends the rows with at least one question.
   void finish(std::vector<MenuRow>& menu);
 
  private:
@@ -46,7 +46,7 @@ class MenuTable {
   std::vector<MenuRow> rows_;
 };
 
-/// How long a judge of the answers may still take for one kind of question: the rationals, or FCL.
+/// Time left for judging one kind of question, by the rationals or by FCL.
 class JudgingTime {
  public:
   explicit JudgingTime(std::int64_t allowed_ns) : left_ns_(allowed_ns) {}
@@ -65,7 +65,7 @@ class JudgingTime {
   bool is_first_ = true;
 };
 
-// The rows that menu_of puts together, each kind in a file of its own.
+// The rows that menu_of() puts together, each kind in a file of its own.
 
 void add_sweep_rows(const Snapshot& snapshot, const MenuOptions& options, std::vector<MenuRow>& menu);
 void add_pair_rows(const Snapshot& snapshot, const MenuOptions& options, std::vector<MenuRow>& menu);

@@ -10,7 +10,7 @@ namespace collided::engine {
 RandomQuestions::RandomQuestions(const Snapshot& snapshot, std::uint64_t seed) : random_(seed) {
   Aabb world;
   visit_parts(snapshot, [&](ObjectId, std::uint32_t, const auto& shape, const GivenPart&) {
-    // A half-space has no end, but questions need a region that has one.
+    // A half-space is unbounded, but questions need a bounded region.
     if constexpr (std::is_same_v<std::decay_t<decltype(shape)>, HalfSpace>)
       world.extend(bounds(Sphere{shape.point, 0}));
     else world.extend(bounds(shape));

@@ -15,11 +15,11 @@ class RandomQuestions {
  public:
   RandomQuestions(const Snapshot& snapshot, std::uint64_t seed);
 
-  /// False: the world is empty, and all questions are about the origin.
+  /// False if the world is empty; then all questions are about the origin.
   bool has_world() const { return size_m_ >= 0; }
   /// The diagonal of the world's bounds, metres; 0 for an empty world.
   double size_m() const { return std::max(size_m_, 0.0); }
-  /// The numbers of one question: rays and reaches without end, sizes up to a fiftieth of the diagonal.
+  /// The numbers of one question: unlimited rays and reaches, sizes up to a fiftieth of the diagonal.
   std::vector<double> question(QuestionKind kind);
 
  private:

@@ -26,7 +26,7 @@ std::uint32_t BoundsTree::build(std::span<const Aabb> boxes, std::span<std::uint
   const auto own = static_cast<std::uint32_t>(nodes_.size());
   Aabb all;
   Aabb middles;
-  // Endless boxes have no middle; they count as lying at the origin.
+  // Unbounded boxes have no middle; they count as lying at the origin.
   const auto middle = [&](std::uint32_t number) -> Vec3 {
     const Vec3 sum = 0.5 * boxes[number].low + 0.5 * boxes[number].high;
     return sum.array().isFinite().select(sum, 0);

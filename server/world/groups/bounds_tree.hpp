@@ -10,18 +10,17 @@
 
 namespace collided::engine {
 
-/// A lower bound on how far apart what lies in two boxes is, metres: their gap; or where they overlap, less the shortest
-/// translation along an axis that parts them, which no depth of two convex parts exceeds.
+/// A lower bound on the clearance of the contents of two boxes, metres: their gap; if they overlap, minus the shortest
+/// translation along an axis that separates them, which no depth of two convex parts exceeds.
 double least_clearance(const Aabb& a, const Aabb& b);
 
-/// A binary tree over the boxes of some objects, for searches that go over pairs of objects. A box without a point is in
-/// no leaf.
+/// A binary tree over the boxes of some objects, for searches over pairs of objects. An empty box is in no leaf.
 class BoundsTree {
  public:
   struct BoundsNode {
     Aabb bounds;
-    std::uint32_t first = 0;   // child; of a leaf the number of the box
-    std::uint32_t second = 0;  // child; 0: it is a leaf
+    std::uint32_t first = 0;   // child; in a leaf the number of the box
+    std::uint32_t second = 0;  // child; 0: a leaf
     bool is_leaf() const { return second == 0; }
   };
 
@@ -34,13 +33,13 @@ class BoundsTree {
  private:
   std::uint32_t build(std::span<const Aabb> boxes, std::span<std::uint32_t> numbers);
 
-  std::vector<BoundsNode> nodes_;  // the root first
+  std::vector<BoundsNode> nodes_;  // root first
 };
 
-/// Offers pairs of boxes of two trees, those first that may be nearest, until none is left that may be within the limit.
-/// Best first, so that the first pairs tested set a limit that spares the rest.
+/// Visits pairs of boxes of two trees, possibly nearest first, until no remaining pair may be within the limit. Best
+/// first, so that the first pairs tested set a limit that excludes the rest.
 ///
-/// limit_m  receives nothing, returns the limit as it is now; pairs surely farther are left out
+/// limit_m  takes nothing, returns the current limit; pairs certainly farther are left out
 /// visit    receives the two numbers and their lower bound; returns false to end the walk
 /// source   Hjaltason, Samet, "Incremental distance join algorithms for spatial databases", SIGMOD 1998
 template <class Limit, class Visit>
@@ -49,7 +48,7 @@ void walk_nearest_pairs(const BoundsTree& a, const BoundsTree& b, const Limit& l
     double least_m;
     std::uint32_t of_a;
     std::uint32_t of_b;
-    bool operator<(const NodePair& other) const { return least_m > other.least_m; }  // the least on top
+    bool operator<(const NodePair& other) const { return least_m > other.least_m; }  // the least on top of the heap
   };
   if (a.empty() || b.empty()) return;
   std::priority_queue<NodePair> waiting;

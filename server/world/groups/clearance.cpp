@@ -24,7 +24,7 @@ ObjectClearance turned_round(ObjectClearance found) {
   return found;
 }
 
-/// A group: numbers of members, and where they may be.
+/// A group: numbers of members, and their possible bounds.
 struct MemberGroup {
   std::vector<std::uint32_t> members;
   std::vector<Aabb> reaches;
@@ -32,7 +32,7 @@ struct MemberGroup {
   BoundsTree tree() const { return BoundsTree(reaches); }
 };
 
-/// The nearest pairs so far, and how near another must be to be among them.
+/// The nearest pairs so far, and the distance below which another pair joins them.
 class NearestPairs {
  public:
   NearestPairs(double within_m, std::size_t most) : within_m_(within_m), most_(most) {}
@@ -60,7 +60,7 @@ class NearestPairs {
   std::vector<MemberPair> pairs_;  // nearest first
 };
 
-/// One question's way over the pairs of its groups.
+/// One question's search over the pairs of its groups.
 class GroupSearch {
  public:
   GroupSearch(const Snapshot& snapshot, const ClearanceAsk& ask, PartMeshes& part_meshes)
@@ -68,7 +68,7 @@ class GroupSearch {
         snapshot_(snapshot),
         members_(snapshot, part_meshes),
         deadline_(ask.deadline_ns, ask.called_off),
-        nearest_(ask.within_m, ask.most + 1) {  // one more shows whether there are more
+        nearest_(ask.within_m, ask.most + 1) {  // one more shows whether further pairs exist
     collect(ask.from, from_, is_from_);
     collect(ask.to, to_, is_to_);
   }
@@ -109,7 +109,7 @@ class GroupSearch {
   static bool holds(const std::vector<bool>& is_in, std::uint32_t number) {
     return number < is_in.size() && is_in[number];
   }
-  /// Of two objects that are in both groups one order is enough.
+  /// True for the second order of two objects that are in both groups.
   bool comes_again(std::uint32_t a, std::uint32_t b) const {
     return a == b || (a > b && holds(is_to_, a) && holds(is_from_, b));
   }
@@ -135,7 +135,7 @@ class GroupSearch {
     return true;
   }
 
-  /// As many pairs as may be looked at: those within the distance asked for, by their boxes.
+  /// Upper bound on the pairs to examine: those whose boxes are within the requested distance.
   double count_of_pairs(const BoundsTree& from, const BoundsTree& to) {
     if (!std::isfinite(ask_.within_m))
       return static_cast<double>(from_.members.size()) * static_cast<double>(to_.members.size());
@@ -158,7 +158,7 @@ class GroupSearch {
     ask_.progress(std::min(1.0, seen_count_ / std::max(1.0, pair_count_)));
   }
 
-  /// That nothing else is nearer is known where the loaded geometry is complete and no space is unknown.
+  /// That nothing else is nearer is certain only if the loaded geometry is complete and no space is unknown.
   void look_at_covers() {
     const double claimed_m = found_.is_cut ? std::max(0.0, found_.pairs.back().clearance.high_m()) : ask_.within_m;
     if (snapshot_.covers) found_.uncovered = uncovered_near(from_.reaches, claimed_m, *snapshot_.covers);

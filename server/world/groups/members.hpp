@@ -10,8 +10,8 @@
 
 namespace collided::engine {
 
-/// Some objects of a snapshot as searches over pairs of them need each: placed, and a part of a scene with a mesh of its
-/// own, made when it is first looked at.
+/// Some objects of a snapshot in the form that searches over their pairs need: placed, and a part of a scene with a
+/// mesh of its own, built on first use.
 ///
 /// owner    the snapshot must outlive it
 /// threads  one at a time
@@ -25,23 +25,22 @@ class Members {
   std::uint32_t add(ObjectId id);
   std::size_t size() const { return members_.size(); }
   const ObjectInfo& info(std::uint32_t number) const { return *members_[number].info; }
-  /// Whether a contact of the two counts: neither filters nor the rules for pairs let them pass through each other.
+  /// True if a contact of the two counts: neither filters nor the rules for pairs let them pass through each other.
   bool may_meet(std::uint32_t a, std::uint32_t b) const;
   bool is_stale(std::uint32_t number) const { return members_[number].is_stale; }
-  /// Contains everything that the object may reach: where its publisher is lost, more than where it is. Empty for an
-  /// object without parts.
+  /// Contains everything that the object may reach: more than its bounds if its publisher is lost. Empty for an object
+  /// without parts.
   const Aabb& reach(std::uint32_t number) const { return members_[number].reach; }
-  /// Where it is, without that doubt.
+  /// Its bounds, without that doubt.
   const Aabb& bounds(std::uint32_t number) const { return members_[number].placed.bounds; }
   const Placed& placed(std::uint32_t number, Deadline& deadline);
-  /// Puts it elsewhere than the snapshot has it; not for a part of a scene. It is then where it is said to be, without
-  /// doubt.
+  /// Moves it to another pose than in the snapshot; not for a part of a scene. The new pose is certain.
   void set_pose(std::uint32_t number, const Pose& pose);
 
  private:
   struct Member {
     std::shared_ptr<const ObjectInfo> info;
-    std::shared_ptr<const StaticScene> scene;  // of a part; else null
+    std::shared_ptr<const StaticScene> scene;  // for a part; else null
     Pose pose;
     Placed placed;
     Aabb reach;
@@ -53,7 +52,7 @@ class Members {
 
   const Snapshot& snapshot_;
   PartMeshes& part_meshes_;
-  std::deque<Member> members_;  // whose poses are pointed to
+  std::deque<Member> members_;  // a deque, since pointers refer to the poses
 };
 
 }  // namespace collided::engine

@@ -24,20 +24,20 @@ void NearestParts::take(const ConvexPart& a, std::uint32_t of_a, const ConvexPar
 
 namespace {
 
-/// A ball around everything of a part, or of what a mesh may have near a half-space.
+/// A ball around all of a part, or around the part of a mesh that may be near a half-space.
 struct BallAround {
   Vec3 center;
   double radius_m;
-  double across_m = 0;  // points within reach of the part may lie so far beside the ball's middle axis
+  double across_m = 0;  // points within reach of the part may be this far off the ball's middle axis
 
-  /// Every point of the mesh within reach of the part is this near the center, squared.
+  /// Every point of the mesh within reach of the part is this near the centre, squared.
   double square(double reach_m) const {
     const double along_m = radius_m + reach_m;
     return (along_m * along_m + across_m * across_m) * (1 + kBoundSlack);
   }
 };
 
-/// A half-space is seen from a point deep inside: a ball so large is nearly flat where the mesh is.
+/// A half-space is represented by a ball around a point deep inside, so large that it is nearly flat near the mesh.
 BallAround ball_around(const ConvexPart& part, const Placed& mesh) {
   if (const HalfSpace* ground = half_space_of(part)) {
     constexpr double kFlat = 64;
@@ -68,7 +68,7 @@ void near_mesh_triangles(const ConvexPart& part, const Placed& object, const Nea
                       placement_slack(object.frame, 2 * ball.center.lpNorm<1>(), mesh.radius_m), candidate, cost);
 }
 
-/// The primitives of one object against all of another; `taking` hands a pair on in the right order.
+/// Tests the primitives of one object against all of another; `taking` passes a pair on in the right order.
 template <class Take>
 void primitives_against(const Placed& one, const Placed& other, const NearestParts& nearest, bool with_primitives,
                         WalkCost& cost, Deadline& deadline, Take&& taking) {
@@ -96,7 +96,7 @@ void nearest_of_meshes(const Placed& a, const Placed& b, NearestParts& nearest, 
     if (deadline.is_over()) return -1.0;
     const Triangle& first = of_a.at(triangle_a);
     const Triangle& second = of_b.at(triangle_b);
-    // The index rounds corners to floats; where many pairs are about as near, doubles rule out most.
+    // The index rounds corners to floats; doubles rule out most of many almost equally near pairs.
     if (!(kernel::gap_at_least(first, second) > nearest.reach_m())) nearest.take(first, triangle_a, second, triangle_b);
     return nearest.may_overlap ? -1.0 : nearest.reach_m();
   };

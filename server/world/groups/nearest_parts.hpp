@@ -4,10 +4,11 @@
 
 namespace collided::engine {
 
-/// The nearest parts of two objects so far, within a limit, and a distance below which no tested pair of parts is.
+/// The nearest parts of two objects so far, within a limit, and a lower bound on the distance of every tested pair of
+/// parts.
 struct NearestParts {
-  double limit_m = 0;           // a pair surely farther is not wanted
-  bool ends_at_overlap = true;  // one that may overlap ends the search
+  double limit_m = 0;           // pairs certainly farther are ignored
+  bool ends_at_overlap = true;  // a pair that may overlap ends the search
   bool may_overlap = false;
   Separation best = {.distance_m = std::numeric_limits<double>::infinity()};
   double low_m = std::numeric_limits<double>::infinity();

@@ -54,7 +54,7 @@ NearestParts nearest_within(const Placed& a, const Placed& b, double limit_m, bo
   return nearest;
 }
 
-/// One lies within the other, a solid: how far their surfaces are apart, with the sign of being inside.
+/// For one object within the other, a solid: the distance of their surfaces, negative because inside.
 std::optional<ObjectClearance> within_solid(const Placed& a, const Placed& b, WalkCost& cost, Deadline& deadline) {
   if (!a.info->rare->solid && !b.info->rare->solid) return std::nullopt;
   const Contained contained = containment(a, b, deadline);
@@ -75,8 +75,8 @@ std::optional<ObjectClearance> within_limit(const ObjectClearance& found, double
 
 }  // namespace
 
-/// The search for the nearest parts comes first: mostly it shows that the two are apart, and the exact test, which goes
-/// over all that may touch, is not needed.
+/// The search for the nearest parts comes first: usually it shows that the two are apart, and the exact test over all
+/// parts that may touch is not needed.
 std::optional<ObjectClearance> clearance_between(const Placed& a, const Placed& b, const ClearanceWanted& wanted,
                                                  WalkCost& cost, Deadline& deadline) {
   const bool may_meet_at_all = overlaps(a.bounds, b.bounds);
@@ -94,7 +94,7 @@ std::optional<ObjectClearance> clearance_between(const Placed& a, const Placed& 
     search_objects(a, b, touch, cost);
     if (touch.yes && wanted.depth) return within_limit(of_contact(touch, a, b), wanted.limit_m);
     if (touch.yes) return ObjectClearance{.touches = Decision::yes, .error_m = kEndless};
-    // Only as placed they may overlap: the numbers below need the search without that end.
+    // They may overlap only as placed: the numbers below need the search without that end.
     nearest = nearest_within(a, b, std::max(wanted.limit_m, placing_m), false, cost, deadline);
     if (touch.undecided) return undecided_between(nearest, placing_m);
   }

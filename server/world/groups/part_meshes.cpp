@@ -4,7 +4,7 @@
 
 namespace collided::engine {
 
-/// Forgets scenes that are gone, whose address another one may have by now.
+/// Forgets removed scenes, whose address another one may have by now.
 PartMeshes::SceneParts& PartMeshes::parts_of_scene(const std::shared_ptr<const StaticScene>& scene) {
   std::erase_if(scenes_, [](const auto& known) { return known.second.scene.expired(); });
   SceneParts& parts = scenes_[scene.get()];
@@ -12,7 +12,7 @@ PartMeshes::SceneParts& PartMeshes::parts_of_scene(const std::shared_ptr<const S
   return parts;
 }
 
-/// Begins anew where another part would be too much: what is asked for next is made again.
+/// Forgets everything if another part would exceed the limit: parts are built again on demand.
 void PartMeshes::make_room(std::size_t triangles) {
   std::size_t kept = triangles;
   for (const auto& [scene, parts] : scenes_) {

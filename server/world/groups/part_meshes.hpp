@@ -12,14 +12,14 @@
 
 namespace collided::engine {
 
-/// The parts of static scenes as objects of their own, which searches over groups of objects need: their bounds, and the
-/// mesh and index of those that were looked at. A scene holds them only as runs of one mesh. They are made when they are
-/// asked for and kept for later requests for as long as the scene is loaded and there is room.
+/// The parts of static scenes as objects of their own, for searches over groups of objects: their bounds, and mesh and
+/// index of those examined. A scene stores them only as runs of one mesh. They are built on demand and kept for later
+/// requests while the scene is loaded and there is room.
 ///
-/// threads  any; what two need at once may be made twice
+/// threads  any; what two need at the same time may be built twice
 class PartMeshes {
  public:
-  static constexpr std::size_t kMostTriangles = std::size_t{4} << 20;  // kept, of all parts; about 0.5 GB
+  static constexpr std::size_t kMostTriangles = std::size_t{4} << 20;  // kept, over all parts; about 0.5 GB
 
   /// By number of the part; empty for a part without triangles.
   /// cost  a pass over the scene's triangles, the first time

@@ -8,7 +8,7 @@
 
 namespace collided::engine {
 
-/// A point that is not covered and within a distance of one of the boxes; nothing where all of that is covered. Empty
+/// A point that is not covered and within a distance of one of the boxes; nothing if all of that is covered. Empty
 /// boxes are near nothing.
 ///
 /// covers  boxes in which the loaded geometry is complete

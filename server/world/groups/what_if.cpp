@@ -84,8 +84,8 @@ bool WhatIf::look_at(std::uint32_t a, std::uint32_t b, NearestYet& yet, Deadline
   return depth_ || !is_contact;
 }
 
-/// That nothing is met, and nothing nearer than what is told, is known where the loaded geometry is complete and no space
-/// is unknown.
+/// That nothing is met, and nothing nearer than reported, is certain only if the loaded geometry is complete and no
+/// space is unknown.
 void WhatIf::look_at_covers(WhatIfAnswer& answer) const {
   const double claimed_m = answer.nearest ? std::max(0.0, answer.nearest->clearance.high_m()) : within_m_;
   std::vector<Aabb> reaches;

@@ -11,41 +11,40 @@
 
 namespace collided::engine {
 
-/// An object that moves along with another: where that one goes, it keeps its place relative to it.
+/// An object attached to another: it keeps its place relative to it when that one moves.
 struct Attachment {
   ObjectId child = 0;
   ObjectId parent = 0;
 };
 
-/// Which objects are to be thought elsewhere, and against what.
+/// Which objects are hypothetically elsewhere, and against which others they are tested.
 struct WhatIfAsk {
   std::vector<ObjectId> moved;
   std::vector<Attachment> attached;     // parents are among the moved, or children of earlier ones
-  std::vector<ObjectId> against;        // further objects, where they are
-  std::vector<ObjectId> left_out = {};  // of the moved and attached: they go along, but no pair of theirs counts
-  double within_m = std::numeric_limits<double>::infinity();  // pairs surely farther apart are not looked at
-  bool depth = false;          // the deepest contact, with its depth; else any contact ends a configuration's search
-  bool with_filtered = false;  // also pairs whose filters let them pass through each other
+  std::vector<ObjectId> against;        // further objects, at their poses
+  std::vector<ObjectId> left_out = {};  // moved or attached, but pairs with them do not count
+  double within_m = std::numeric_limits<double>::infinity();  // pairs certainly farther apart are ignored
+  bool depth = false;          // find the deepest contact; else any contact ends a configuration's search
+  bool with_filtered = false;  // also pairs that filters let pass through each other
 };
 
-/// What one configuration comes to.
+/// The result for one configuration.
 struct WhatIfAnswer {
   Decision touches = Decision::no;
-  bool is_late = false;  // the deadline was over: not looked at
-  // The least clearance within the distance asked for. Without depth a pair that touches has no more than its names and
-  // an endless bound.
+  bool is_late = false;  // the deadline was over: not examined
+  // The least clearance within the requested distance. Without depth, a touching pair has only its names and an
+  // infinite bound.
   std::optional<MemberPair> nearest;
-  // Where the answer reaches out of the space in which the loaded geometry was said to be complete: then it is undecided,
-  // not free.
+  // A point at which the answer leaves the space stated to be complete; then it is undecided, not free.
   std::optional<Vec3> uncovered = {};
 };
 
-/// One state of the world in which some objects are put elsewhere, again and again: each configuration is answered for
-/// itself, and the world is as it was. Pairs of two objects of which neither is moved are in no answer.
+/// One state of the world in which some objects are moved hypothetically, any number of times: each configuration is
+/// answered on its own, and the world does not change. Pairs of two unmoved objects are in no answer.
 ///
 /// owner    keeps the snapshot; the part meshes must outlive it
-/// cost     a configuration: a tree over what is moved, then best first over pairs of it with the rest; the pair that was
-///          nearest in the configuration before comes first, since the next is often much like it
+/// cost     a configuration: a tree over the moved objects, then best first over their pairs with the rest; the nearest
+///          pair of the previous configuration comes first, since the next is often similar
 /// threads  one at a time
 class WhatIf {
  public:
@@ -72,20 +71,20 @@ class WhatIf {
   double limit_m(const NearestYet& yet) const;
   void look_at_covers(WhatIfAnswer& answer) const;
   bool is_left_out(std::uint32_t member) const { return member < first_rest_ && left_out_[member] != 0; }
-  /// False: the search may end.
+  /// False if the search may end.
   bool look_at(std::uint32_t a, std::uint32_t b, NearestYet& yet, Deadline& deadline);
 
   std::shared_ptr<const Snapshot> snapshot_;
   double within_m_;
   bool depth_;
   bool with_filtered_;
-  bool has_unknown_;  // space; without it none is looked for at each configuration
+  bool has_unknown_;  // unknown space; without it no configuration searches for any
   Members members_;
-  std::size_t pose_count_;  // members whose poses are given come first, then followers, then the rest
+  std::size_t pose_count_;  // members with given poses come first, then their children, then the rest
   std::vector<CarriedMember> followers_;
-  std::vector<Pose> poses_;  // of all that move
+  std::vector<Pose> poses_;  // of all members that move
   std::vector<Aabb> moved_reaches_;
-  std::vector<char> left_out_;  // by member, of those that move
+  std::vector<char> left_out_;  // by member, for those that move
   std::optional<BoundsTree> rest_;
   std::uint32_t first_rest_ = 0;
   std::optional<std::pair<std::uint32_t, std::uint32_t>> nearest_before_;

@@ -30,7 +30,7 @@ std::shared_ptr<const TriangleMesh> mesh_of(const StaticScene& geometry, const P
   return mesh;
 }
 
-/// What a user must know of a mesh that is solid by winding number.
+/// The caveats for a mesh that is solid by winding number.
 std::string winding_warning(const std::string& refusal) {
   return "solid by winding number, since " + refusal +
          "; that decides inside and near --signed alone: overlaps, pairs, rays and events take it as a surface";
@@ -91,7 +91,7 @@ DeclaredSolids declare_solids(const Scene& scene, StaticScene& geometry, std::st
   }
   geometry.object_solids.resize(geometry.object_meshes.size());
   geometry.object_windings.resize(geometry.object_meshes.size());
-  // Objects that share a mesh share what it encloses.
+  // Objects that share a mesh share its solid.
   struct Found {
     std::shared_ptr<const SolidMesh> solid;
     std::shared_ptr<const WindingMesh> winding;

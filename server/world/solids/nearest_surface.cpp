@@ -57,7 +57,7 @@ std::optional<NearestSurface> nearest_surface(const SolidMesh& solid, const Plac
 WayOut way_out(const SolidMesh& solid, const Placed& object, const NearestSurface& nearest, double inscribed_m,
                const Aabb& inner) {
   WayOut way{.least_m = 0, .most_m = kUnbounded};
-  // Whatever leaves the solid takes the ball with it: its centre to the surface, and then its radius beyond.
+  // An object that leaves the solid takes the ball along: its centre to the surface, and then its radius beyond.
   if (std::isfinite(nearest.error_m))
     way.least_m = std::max(0.0, nearest.distance_m - nearest.error_m - kUnderflow + inscribed_m) * (1 - kChainSlack);
   const Aabb& own = solid.surface->tree.bounds();
@@ -81,7 +81,7 @@ WayOut way_out(const SolidMesh& solid, const Placed& object, const NearestSurfac
 }
 
 Contact contact_inside(const NearestSurface& nearest, const WayOut& way) {
-  // The nearest way out goes on beyond the surface, and a contact's normal points the other way: to what was met.
+  // The nearest way out continues beyond the surface, and a contact's normal points the other way, to the solid.
   return {.point = nearest.point,
           .normal = nearest.normal.isZero(0) ? Vec3(-Vec3::UnitZ()) : Vec3(-nearest.normal),
           .depth_m = way.least_m,

@@ -35,7 +35,7 @@ Vec3 along(const AxisDirection& ray) {
   return direction;
 }
 
-/// What a ray's walk has met: how often it leaves the solid less how often it enters.
+/// State of a ray's walk: how often it leaves the solid less how often it enters.
 template <class Point>
 class CrossingCount {
  public:
@@ -47,7 +47,7 @@ class CrossingCount {
     is_on_ = crossing.on || lies_on(point_, corners);
     if (is_on_) return -1;
     if (crossing.step == 0) return limit;
-    // A clipped split offers a triangle twice.
+    // A clipped split produces a triangle twice.
     std::vector<std::uint32_t>& numbers = counted();
     if (std::find(numbers.begin(), numbers.end(), number) != numbers.end()) return limit;
     numbers.push_back(number);
@@ -60,7 +60,7 @@ class CrossingCount {
   }
 
  private:
-  /// Reused from question to question, so that no answer allocates once it has grown.
+  /// Reused between questions, so that no answer allocates once it has grown.
   static std::vector<std::uint32_t>& counted() {
     thread_local std::vector<std::uint32_t> numbers;
     return numbers;
@@ -72,7 +72,7 @@ class CrossingCount {
   bool is_on_ = false;
 };
 
-/// How far the point, seen from the object's frame in double, may be from where the given numbers have it.
+/// How far the point, transformed to the object's frame in double, may be from its exact place.
 double seen_slack_m(const Placed& object, double away_m, const Vec3& point, double radius_m) {
   const double rounded_m = placement_slack(object.frame, away_m + point.lpNorm<1>(), radius_m);
   // The frame's own error grows with the distance, like that of a point placed so far out.
@@ -80,7 +80,7 @@ double seen_slack_m(const Placed& object, double away_m, const Vec3& point, doub
   return (rounded_m + given_m) * (1 + kChainSlack);
 }
 
-/// Its points are where its own numbers have them, exactly.
+/// True if its points are exactly where its own numbers put them.
 bool is_unmoved(const Placed& object) {
   if (object.pose != nullptr && !object.pose->rotation.vec().isZero(0)) return false;
   return object.frame.position.isZero(0) && object.frame.rotation == Mat3::Identity();
@@ -92,7 +92,7 @@ struct ExactPoint {
   Dyadic weight;
 };
 
-/// q p q*, exactly, for the quaternion of real part w and vector part v.
+/// q p q*, exactly, for the quaternion with real part w and vector part v.
 kernel::Vector<Dyadic> turned(const Dyadic& w, const kernel::Vector<Dyadic>& v, const kernel::Vector<Dyadic>& p) {
   const Dyadic two(2.0);
   return (w * w - square(v)) * p + two * dot(v, p) * v + two * w * cross(v, p);
@@ -106,14 +106,14 @@ QuotientPoint seen_exactly(const Pose& pose, const ExactPoint& point) {
   return {turned(w, v, point.at - point.weight * Vector(pose.position)), point.weight * (w * w + square(v))};
 }
 
-/// A point of the world, rounded by at most off_m where it is that of an object whose pose was given.
+/// A world point, rounded by at most off_m if it belongs to an object with a given pose.
 struct AskedPoint {
   Vec3 at;
   double off_m = 0;
   const Placed* of = nullptr;
   Vec3 own = Vec3::Zero();
 
-  /// q own q* / |q|^2 + position, where it is rounded.
+  /// q own q* / |q|^2 + position, if it is rounded.
   ExactPoint exact() const {
     using Vector = kernel::Vector<Dyadic>;
     if (off_m == 0) return {Vector(at), Dyadic(1.0)};
@@ -134,7 +134,7 @@ AskedPoint placed_point(const Placed& object, const Vec3& own) {
           .own = own};
 }
 
-/// Whether the surface has a triangle within reach of the point.
+/// True if the surface has a triangle within reach of the point.
 bool is_near_surface(const IndexedMesh& surface, const Vec3& point, double reach_m, WalkCost& cost) {
   bool is_near = false;
   const auto candidate = [&](std::uint32_t, double) {
@@ -145,7 +145,7 @@ bool is_near_surface(const IndexedMesh& surface, const Vec3& point, double reach
   return is_near;
 }
 
-/// For a pose that was not given, the placed corners are the exact input: the ray runs along an axis of the world.
+/// If no pose was given, the placed corners are the exact input: the ray runs along an axis of the world.
 template <class Point>
 SideFound side_of_placed_corners(const IndexedMesh& surface, const Placed& object, const AskedPoint& asked, Point exact,
                                  WalkCost& cost) {
@@ -183,7 +183,7 @@ SideFound side_by(const IndexedMesh& surface, const SolidTree* tree, const Vec3&
   return side_by_ray(surface, point, cost);
 }
 
-/// Where the point is so near the surface that roundings may have moved it across: exactly.
+/// Decides exactly, for a point so near the surface that rounding may have moved it across.
 SideFound side_near_surface(const IndexedMesh& surface, const Placed& object, const AskedPoint& asked, const Vec3& seen,
                             double slack_m, WalkCost& cost) {
   if (object.pose == nullptr && !is_unmoved(object)) {

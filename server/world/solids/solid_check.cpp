@@ -1,4 +1,4 @@
-// Whether a mesh bounds a solid, and the solid of one that does.
+// Checks whether a mesh bounds a solid, and builds that solid.
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,7 @@ std::string named(std::uint32_t a, std::uint32_t b) {
   return "triangles " + std::to_string(a) + " and " + std::to_string(b);
 }
 
-/// Triangles two of whose corners are one point: they have no sides to share.
+/// Triangles with two equal corners: they have no sides to share.
 std::vector<bool> pointed(const TriangleMesh& mesh, const std::vector<std::uint32_t>& point_of) {
   std::vector<bool> is_pointed(mesh.triangles.size());
   for (std::size_t i = 0; i < mesh.triangles.size(); ++i) {
@@ -30,7 +30,7 @@ std::vector<bool> pointed(const TriangleMesh& mesh, const std::vector<std::uint3
   return is_pointed;
 }
 
-/// The first edge along which not as many triangles run one way as the other.
+/// The first edge along which unequal numbers of triangles run in the two directions.
 std::optional<std::string> what_is_open(const EdgeTable& edges) {
   for (std::size_t i = 0; i < edges.size(); ++i) {
     const auto uses = edges.uses_of(i);
@@ -72,7 +72,7 @@ class Shells {
   }
 
  private:
-  /// Six times that of the tetrahedron over the triangle and the mesh's first vertex.
+  /// Six times the volume of the tetrahedron over the triangle and the mesh's first vertex.
   template <class N>
   N volume(std::uint32_t triangle) const {
     using Vector = kernel::Vector<N>;
@@ -92,7 +92,7 @@ class Shells {
   DisjointSets sets_;
 };
 
-/// How often the shells other than this one go around the middle of its triangle, which lies on none of them: a point in
+/// How often the other shells wind around the middle of this shell's triangle, which lies on none of them: a point in
 /// thirds, since its coordinates need not be doubles.
 int winding_about(const IndexedMesh& surface, Shells& shells, std::uint32_t triangle) {
   using Vector = kernel::Vector<Dyadic>;
@@ -117,7 +117,7 @@ int winding_about(const IndexedMesh& surface, Shells& shells, std::uint32_t tria
   return steps;
 }
 
-/// Looks at each shell once: in front of one that faces outward is outside, behind a cavity is inside.
+/// Checks each shell once: in front of one that faces outward is outside, behind a cavity is inside.
 void look_at_facing(const IndexedMesh& surface, Shells& shells, const std::vector<bool>& left_out,
                     SolidFindings& findings) {
   const std::vector<int> signs = shells.volume_signs();
@@ -135,7 +135,7 @@ void look_at_facing(const IndexedMesh& surface, Shells& shells, const std::vecto
   }
 }
 
-/// What makes the mesh more than the border of its solid.
+/// Finds why the mesh is more than the border of its solid.
 std::string what_overlaps(const IndexedMesh& surface, const std::vector<std::uint32_t>& point_of,
                           const std::function<bool()>& cancelled) {
   if (const auto twice = duplicate_triangles(*surface.mesh, point_of); !twice.empty())
@@ -148,8 +148,8 @@ std::string what_overlaps(const IndexedMesh& surface, const std::vector<std::uin
   return crossings.is_complete ? "" : "whether triangles cross was not looked at to the end";
 }
 
-// Up to so many triangles a tree answers sooner than a ray, measured: a seventh of the ray's time for a box, 0.7 at 5,000
-// triangles, 0.9 at 20,000, where it no longer fits the cache, 1.2 at 70,000.
+// Up to this many triangles a tree answers sooner than a ray. Measured: a seventh of the ray's time for a box, 0.7 at
+// 5,000 triangles, 0.9 at 20,000, where it no longer fits the cache, 1.2 at 70,000.
 constexpr std::size_t kMostInTree = 20'000;
 
 }  // namespace

@@ -8,8 +8,8 @@
 
 namespace collided::engine {
 
-/// A mesh that does not close, and what it holds by its winding number, in its own frame. Only `inside` and signed near
-/// ask it: no surface bounds what lies across its holes, so to all else it stays a surface.
+/// An open mesh, and what it holds by its winding number, in its own frame. Used only by `inside` and signed near: no
+/// surface bounds the region across its holes, so everything else treats it as a surface.
 struct WindingMesh {
   std::shared_ptr<const IndexedMesh> surface;
   WindingTree tree;
@@ -18,11 +18,11 @@ struct WindingMesh {
 /// cost  2 to 3 us a triangle; a copy of the triangles
 std::shared_ptr<const WindingMesh> winding_within(std::shared_ptr<const IndexedMesh> surface);
 
-/// Where a point of the world is, for the pose given; undecided where its rounding leaves that open.
-/// cost  microseconds; more about holes
+/// The side of a world point, for the pose given; undecided if rounding leaves it open.
+/// cost  microseconds; more near holes
 WindingSide side_by_winding(const WindingMesh& mesh, const Placed& object, const Vec3& point, WalkCost& cost);
 
-/// The same by every triangle on its own, for audits.
+/// Finds the side by summing every triangle, for audits.
 WindingSide side_by_winding_sum(const WindingMesh& mesh, const Placed& object, const Vec3& point);
 
 }  // namespace collided::engine
