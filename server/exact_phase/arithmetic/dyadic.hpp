@@ -35,7 +35,7 @@ class Dyadic {
     return {fraction, power + exponent_};
   }
 
-  /// split() would lose no digit.
+  /// True if split() would lose no digit.
   bool short_mantissa() const { return mpz_sizeinbase(mantissa_.get_mpz_t(), 2) <= 53; }
 
   friend Dyadic operator-(Dyadic a) {
@@ -44,7 +44,7 @@ class Dyadic {
   }
   friend Dyadic operator+(const Dyadic& a, const Dyadic& b) { return sum(a, b, false); }
   friend Dyadic operator-(const Dyadic& a, const Dyadic& b) { return sum(a, b, true); }
-  // The same numbers in the same form, in the memory of a temporary where that serves.
+  // Operations that reuse the memory of a temporary if possible; same numbers in the same form.
   friend Dyadic operator+(Dyadic&& a, const Dyadic& b) { return sum_in_place(std::move(a), b, false); }
   friend Dyadic operator-(Dyadic&& a, const Dyadic& b) { return sum_in_place(std::move(a), b, true); }
   friend Dyadic operator*(const Dyadic& a, const Dyadic& b) {
@@ -54,7 +54,7 @@ class Dyadic {
     result.exponent_ = a.exponent_ + b.exponent_;
     return result;
   }
-  /// b * a, without a number of its own for b.
+  /// b * a, without constructing a number for b.
   friend Dyadic times(const Dyadic& a, double b) {
     const Short factor = short_of(b);
     Dyadic result;
@@ -65,8 +65,8 @@ class Dyadic {
   }
 
  private:
-  /// A double as mantissa * 2^exponent. The mantissa is odd, or zero: mantissas stay short, since most scenes are full of
-  /// small integers and halves.
+  /// A double as mantissa * 2^exponent. The mantissa is odd, or zero: mantissas stay short, since most scenes are full
+  /// of small integers and halves.
   struct Short {
     long mantissa = 0;
     long exponent = 0;

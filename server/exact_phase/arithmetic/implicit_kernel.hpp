@@ -39,7 +39,7 @@ Jet<Ring> operator*(const Jet<Ring>& a, const Jet<Ring>& b) {
   return product;
 }
 
-/// How each ring writes a constant.
+/// A constant in each ring.
 template <class Ring>
 struct ConstantOf {
   static Ring make(double c) { return Ring(c); }

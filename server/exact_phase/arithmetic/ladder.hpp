@@ -6,9 +6,9 @@
 
 namespace collided::engine::kernel {
 
-// A test is written once over the number types; a ladder says which of them it may use.
+// A test is written once over the number types; a ladder selects which of them it may use.
 
-/// All rungs from double upward: what answers clients.
+/// All rungs from double upward, for answers to clients.
 struct WholeLadder {
   template <class Kernel>
   static ExactResult climb(const Kernel& kernel) {
@@ -34,7 +34,7 @@ struct WholeLadder {
   }
 };
 
-/// Rationals alone: what audits use.
+/// Rationals alone, for audits.
 struct RationalsAlone {
   template <class Kernel>
   static ExactResult climb(const Kernel& kernel) {

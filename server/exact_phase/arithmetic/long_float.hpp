@@ -4,8 +4,8 @@
 
 namespace collided::engine {
 
-/// A number of 256 bits, cut after each operation: for searches that double is too coarse for, whose finds are then
-/// tested exactly. The exponent has no limits to mind.
+/// A number of 256 bits, cut after each operation: for searches for which double is too coarse; their results are then
+/// tested exactly. The exponent is practically unlimited.
 ///
 /// cost  about 0.2 us per operation; allocates
 class LongFloat {
@@ -14,7 +14,7 @@ class LongFloat {
   LongFloat(double exact) : value_(exact) {}  // NOLINT: a double is an exact number
   explicit LongFloat(const Dyadic& value) : value_(cut(value)) {}
 
-  /// What it holds, exactly.
+  /// Its value, exactly.
   const Dyadic& exact() const { return value_; }
   int sign() const { return value_.sign(); }
 
@@ -22,12 +22,12 @@ class LongFloat {
   friend LongFloat operator+(const LongFloat& a, const LongFloat& b) { return LongFloat(a.value_ + b.value_); }
   friend LongFloat operator-(const LongFloat& a, const LongFloat& b) { return LongFloat(a.value_ - b.value_); }
   friend LongFloat operator*(const LongFloat& a, const LongFloat& b) { return LongFloat(a.value_ * b.value_); }
-  /// b is not zero.
+  /// b must not be zero.
   friend LongFloat operator/(const LongFloat& a, const LongFloat& b) {
     const mpz_class raised = a.value_.mantissa() << 2 * kBits;
     return LongFloat(Dyadic(raised / b.value_.mantissa(), a.value_.exponent() - b.value_.exponent() - 2 * kBits));
   }
-  /// Of a number that is not negative.
+  /// a must not be negative.
   friend LongFloat sqrt(const LongFloat& a) {
     const long up = 2 * kBits + (a.value_.exponent() & 1);
     const mpz_class raised = a.value_.mantissa() << static_cast<mp_bitcnt_t>(up);

@@ -19,7 +19,7 @@ namespace collided::engine::kernel {
 // Expansion (out of room) and from Scaled (too close, for numbers out of a double's range); Dyadic decides everything
 // finite.
 
-// A sign, or unsure where the number's bound contains zero.
+// A sign, or unsure if the number's bound contains zero.
 enum class Sign : signed char { negative = -1, zero = 0, positive = 1, unsure = 2 };
 
 template <class N>
@@ -74,10 +74,10 @@ Decision is_zero(const N& x) {
   return s == Sign::zero ? Decision::yes : Decision::no;
 }
 
-/// Yes as soon as one is yes; undecided while none is and one is undecided.
+/// Yes as soon as one is yes; undecided if none is and one is undecided.
 class AnyOf {
  public:
-  /// True: the answer is yes, whatever follows.
+  /// True: the answer is yes, regardless of the rest.
   bool add(Decision d) {
     if (d != Decision::no && result_ != Decision::yes) result_ = d;
     return result_ == Decision::yes;
@@ -88,10 +88,10 @@ class AnyOf {
   Decision result_ = Decision::no;
 };
 
-/// No as soon as one is no; undecided while none is and one is undecided.
+/// No as soon as one is no; undecided if none is and one is undecided.
 class AllOf {
  public:
-  /// True: the answer is no, whatever follows.
+  /// True: the answer is no, regardless of the rest.
   bool add(Decision d) {
     if (d != Decision::yes && result_ != Decision::no) result_ = d;
     return result_ == Decision::no;
@@ -137,7 +137,7 @@ N min(const N& a, const N& b) {
 }
 
 /// Kernels take raw coordinates and first form differences of them, so that errors scale with the size of the
-/// configuration rather than its place in the world, and equal points differ by exactly zero.
+/// configuration instead of its distance from the origin, and equal points differ by exactly zero.
 template <class N>
 struct Vector {
   N x;
@@ -189,7 +189,7 @@ ExactResult climb(const Kernel& kernel) {
   decision = kernel.template operator()<Traced>();
   if (decision != Decision::undecided || precision.highest == Level::filter) return {decision, Level::filter};
   ++rungs.expansion;
-  // Out of range, expansions lose digits; such answers are seldom close, so Scaled decides most of them.
+  // Out of range, expansions lose digits; such cases are seldom close, so Scaled decides most of them.
   if (!range.was_left()) decision = kernel.template operator()<Expansion>();
   if (decision == Decision::undecided) decision = kernel.template operator()<Scaled>();
   if (decision != Decision::undecided || precision.highest == Level::expansion) return {decision, Level::expansion};

@@ -69,9 +69,9 @@ class Polynomial {
     return result;
   }
 
-  /// The Bernstein coefficients on [low, high], each times its binomial: entry j belongs to (t - low)^j
-  /// (high - t)^(degree - j). The polynomial's sign is theirs where they agree (Bernstein), and their changes of sign
-  /// exceed the number of roots in the open interval by an even number (Descartes).
+  /// The Bernstein coefficients on [low, high], each times its binomial: entry j belongs to (t - low)^j (high -
+  /// t)^(degree - j). If all have the same sign, so has the polynomial (Bernstein), and their sign changes exceed the
+  /// number of roots in the open interval by an even number (Descartes).
   Coefficients on_span(const N& low, const N& high) const {
     static constexpr auto kBinomial = binomials<kCoefficients>();
     Coefficients span;
@@ -88,7 +88,7 @@ class Polynomial {
     return span;
   }
 
-  /// The sign on the whole closed interval; unsure where it changes or cannot be told.
+  /// The sign on the whole closed interval; unsure if it changes or cannot be determined.
   Sign sign_on(const N& low, const N& high) const {
     if (count_ == 0) return Sign::zero;
     const Coefficients span = on_span(low, high);

@@ -14,18 +14,18 @@ struct Precision {
   double error_asked_m = 0;
 };
 
-/// What the tests of one thread have needed since it started.
+/// Counts of the rungs that one thread's tests have needed since it started.
 struct RungCounts {
-  std::uint64_t uncertain = 0;  // tests that double with a running bound left open
+  std::uint64_t uncertain = 0;  // tests undecided by double with a running bound
   std::uint64_t expansion = 0;  // of those, tried with expansions or, out of a double's range, with scaled numbers
   std::uint64_t rational = 0;   // of those, decided by rationals
   std::uint64_t sharpened = 0;  // numbers calculated again because double knew too few digits
 };
 
 namespace kernel {
-// Read only where a filter has failed, so that the certain majority never pays for it.
+// Read only after a filter has failed, so that the certain majority never pays for it.
 inline thread_local constinit Precision precision;
-// Counted only where a filter has failed, for the same reason.
+// Counted only after a filter has failed, for the same reason.
 inline thread_local constinit RungCounts rungs;
 }  // namespace kernel
 

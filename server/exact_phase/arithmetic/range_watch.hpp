@@ -8,8 +8,8 @@
 
 namespace collided::engine::kernel {
 
-/// Tells whether double arithmetic since its construction overflowed or underflowed, from the processor's flags. It
-/// only chooses the number type to try next, so no answer depends on what the compiler moves across it.
+/// Detects from the processor's flags whether double arithmetic since its construction overflowed or underflowed. It
+/// only chooses the next number type, so no answer depends on what the compiler moves across it.
 ///
 /// cost  15 ns
 class RangeWatch {

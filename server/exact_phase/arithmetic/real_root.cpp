@@ -27,8 +27,8 @@ Dyadic between(const Dyadic& low, const Dyadic& high) {
 /// n / d rounded up, for d > 0.
 long ceiling(long n, long d) { return n > 0 ? (n + d - 1) / d : -(-n / d); }
 
-/// Powers of two strictly below and above all positive roots. Fujiwara's bound: 2 max |c_k / c_n|^(1 / (n - k)), and
-/// the same for the reversed polynomial; c_0 and c_n must not be zero.
+/// Powers of two strictly below and above all positive roots. Fujiwara's bound: 2 max |c_k / c_n|^(1 / (n - k)),
+/// applied also to the reversed polynomial; c_0 and c_n must not be zero.
 std::pair<long, long> powers_around_roots(const ExactRayPolynomial& p) {
   const int n = p.count() - 1;
   long high = std::numeric_limits<long>::min();
@@ -78,7 +78,7 @@ void RealRoot::halve() {
   if (!known_) split_at(between(low_, high_));
 }
 
-// Brackets the root in double arithmetic, then splits exactly beside that guess: a few exact steps in place of many.
+// Brackets the root in double arithmetic, then splits exactly beside that guess: a few exact steps instead of many.
 void RealRoot::split_beside_guess() {
   const auto coefficient = approximated(polynomial_);
   const auto value = [&](double t) {
@@ -93,7 +93,7 @@ void RealRoot::split_beside_guess() {
     if (!(t > low && t < high)) break;
     ((value(t) > 0) == (before_high_ == Sign::positive) ? high : low) = t;
   }
-  // Roots that are doubles, as whole numbers, are met exactly.
+  // Roots that are doubles, such as whole numbers, are hit exactly.
   split_at(Dyadic(high));
   split_at(Dyadic(low));
   double reach = kRoundoff * high;

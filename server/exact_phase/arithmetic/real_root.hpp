@@ -8,8 +8,7 @@
 namespace collided::engine::kernel {
 
 /// One root >= 0 of a polynomial without multiple roots, held by an interval around it that contains no other root. The
-/// counterpart of AlgebraicTime, whose times end at 1, for the parameter of a ray, which has no end, and up to degree
-/// 8.
+/// counterpart of AlgebraicTime, whose times end at 1, for the unbounded parameter of a ray and up to degree 8.
 class RealRoot {
  public:
   /// The root in the open interval; `before_high` is the polynomial's sign between the root and high.
@@ -19,7 +18,7 @@ class RealRoot {
   explicit RealRoot(const Dyadic& known) : low_(known), high_(known), known_(true) {}
 
   /// The sign of another polynomial at the root. Exact: zero is proved by a common divisor, other signs by narrowing
-  /// until one sign is left; unsure when out of steps. `other` must be trimmed.
+  /// until one sign is left; unsure if out of steps. `other` must be trimmed.
   Sign sign_of(const ExactRayPolynomial& other);
 
   /// Narrows until the doubles around the root are no farther apart than this share of the upper one, or are
@@ -28,7 +27,7 @@ class RealRoot {
   /// Narrows by one step.
   void halve();
 
-  /// The doubles around the root; equal where the root is one. The upper may be infinite.
+  /// The doubles around the root; equal if the root is a double. The upper may be infinite.
   std::pair<double, double> bracket() const;
   const Dyadic& low() const { return low_; }
   const Dyadic& high() const { return high_; }
@@ -44,10 +43,10 @@ class RealRoot {
   bool known_ = false;  // both ends are the root
 };                      // low_ and high_ are both the root
 
-/// Roots found, and whether they are all.
+/// The roots found, and whether they are all.
 struct RealRoots {
   std::vector<RealRoot> roots;  // ascending
-  bool complete = true;         // else the search ran out of steps: there may be more beyond the last one
+  bool complete = true;         // false: the search ran out of steps, and there may be more beyond the last one
 };
 
 /// Every root >= 0, multiple ones once. The polynomial must be trimmed and not zero.

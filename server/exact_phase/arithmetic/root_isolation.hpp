@@ -7,8 +7,8 @@
 
 namespace collided::engine::kernel {
 
-/// From a polynomial's Bernstein coefficients on a span: the number of roots within is at most `count`, and as odd or
-/// even.
+/// From a polynomial's Bernstein coefficients on a span: the number of roots within is at most `count`, and differs
+/// from it by an even number.
 struct SignChanges {
   int count = 0;
   Sign last = Sign::zero;
@@ -27,15 +27,15 @@ SignChanges sign_changes(const AnyPolynomial& polynomial, const Dyadic& low, con
 }
 
 /// Splits (low, high) until each piece holds one root of a polynomial without multiple roots, and reports them in
-/// order: known(t) where the root is t itself, alone(from, to, before_to) where it lies within, `before_to` being the
-/// sign between it and `to`. middle(from, to) chooses where to split. The ends themselves are not tested.
+/// order: known(t) if the root is t itself, alone(from, to, before_to) if it lies within, `before_to` being the sign
+/// between it and `to`. middle(from, to) chooses the split. The ends themselves are not tested.
 ///
-/// returns  false when out of steps: there may be more roots beyond the last one reported
+/// returns  false if out of steps: there may be more roots beyond the last one reported
 /// source   Descartes' rule of signs with bisection (Collins, Akritas, 1976)
 template <class AnyPolynomial, class Middle, class Known, class Alone>
 bool isolate_roots(const AnyPolynomial& polynomial, const Dyadic& low, const Dyadic& high, int most_steps,
                    const Middle& middle, const Known& known, const Alone& alone) {
-  // Spans still to search, the next one last; one of no width is a point to test.
+  // Spans still to search, the next one last; a span of no width is a point to test.
   std::vector<std::pair<Dyadic, Dyadic>> spans{{low, high}};
   for (int step = 0; step < most_steps && !spans.empty(); ++step) {
     const auto [from, to] = std::move(spans.back());

@@ -25,7 +25,7 @@ struct Scaled {
     power = own;
   }
 
-  /// Products of two such values, and sums of those, stay far from both ends of a double's range.
+  /// True if products of two such values, and sums of those, stay far from both ends of a double's range.
   static bool is_near_one(double size) {
     constexpr double kFarFromOne = 0x1p200;
     return size >= 1 / kFarFromOne && size <= kFarFromOne;
@@ -39,7 +39,7 @@ inline Bounded shifted(const Bounded& x, long power) {
   return {std::ldexp(x.value, clipped), std::ldexp(x.error, clipped) + (x.exactly_zero() ? 0 : kUnderflow)};
 }
 
-/// The same number with a value near 1; where the value is zero, its error is near 1.
+/// The same number with a value near 1; if the value is zero, with an error near 1.
 inline Scaled settled(const Bounded& value, long power) {
   const double size = std::max(std::abs(value.value), value.error);
   if (size == 0 || !std::isfinite(size) || Scaled::is_near_one(size)) return {value, power};
@@ -62,13 +62,13 @@ inline Scaled operator+(const Scaled& a, const Scaled& b) {
 inline Scaled operator-(const Scaled& a, const Scaled& b) { return a + -b; }
 
 inline Scaled abs(const Scaled& a) { return {abs(a.value), a.power}; }
-/// Where it is unknown which is greater, the bound covers both.
+/// If it is unknown which is greater, the bound covers both.
 inline Scaled max(const Scaled& a, const Scaled& b) {
   const long power = std::max(a.power, b.power);
   return settled(max(shifted(a.value, a.power - power), shifted(b.value, b.power - power)), power);
 }
 
-/// For a number known to be >= 0.
+/// x must be >= 0.
 inline Scaled sqrt(const Scaled& x) {
   const bool odd = x.power % 2 != 0;
   return {engine::sqrt(odd ? Bounded(2) * x.value : x.value), (x.power - (odd ? 1 : 0)) / 2};

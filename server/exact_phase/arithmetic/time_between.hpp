@@ -6,7 +6,7 @@
 namespace collided::engine::kernel {
 
 /// A time strictly between, if there is one: the middle if the two are close, by exponent if they are far apart, so
-/// that a contact at 1e-300 is as few steps away as one at 0.5.
+/// that a contact at 1e-300 takes as few steps as one at 0.5.
 inline double time_between(double low, double high) {
   if (high <= 2 * low) return low + (high - low) / 2;
   const auto bits = [](double x) { return std::bit_cast<std::uint64_t>(x); };

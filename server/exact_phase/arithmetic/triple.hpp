@@ -8,7 +8,7 @@
 namespace collided::engine::kernel {
 
 /// Three doubles in registers, for the filters: Eigen's vectors of three go through memory here, and these are the
-/// innermost loops. The error bounds in tolerance.hpp count on this order of operations.
+/// innermost loops. The error bounds in tolerance.hpp assume this order of operations.
 struct Triple {
   double x;
   double y;

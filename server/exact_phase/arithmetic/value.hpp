@@ -31,7 +31,7 @@ inline Scaled scaled(const Dyadic& x) {
   return {{fraction, x.short_mantissa() ? 0 : 2 * kRoundoff}, power};
 }
 
-/// Back to a double. Too large: the largest double, with an infinite bound.
+/// Converts back to a double. Too large: the largest double, with an infinite bound.
 inline Bounded plain(const Scaled& x) {
   if (x.power == 0) return x.value;
   const int clipped = static_cast<int>(std::clamp(x.power, -4000L, 4000L));
@@ -65,7 +65,7 @@ inline Vector<Bounded> in_range(const Vector<Scaled>& v) {
           shifted(v.z.value, v.z.power - power)};
 }
 
-/// Whether scaling v by a power of two would change no digit of its unit vector: no square leaves the range of double.
+/// True if scaling v by a power of two would change no digit of its unit vector: no square leaves the range of double.
 inline bool has_plain_squares(const Vec3& v) {
   constexpr double kFarFromOne = 0x1p200;
   bool is_plain = true;
@@ -92,7 +92,7 @@ Vec3 unit(const Vector<N>& v) {
 
 inline Vec3 unit(const Vec3& v) { return unit(Vector<Bounded>(v)); }
 
-/// The smaller of two values; where their intervals overlap, the bound covers both.
+/// The smaller of two values; if their intervals overlap, the bound covers both.
 inline Bounded lesser(const Bounded& a, const Bounded& b) {
   if (a.high() < b.low()) return a;
   if (b.high() < a.low()) return b;
@@ -100,8 +100,8 @@ inline Bounded lesser(const Bounded& a, const Bounded& b) {
 }
 inline Bounded greater(const Bounded& a, const Bounded& b) { return -lesser(-a, -b); }
 
-/// Whether a value is known well enough to report: within the relative width below which an exact evaluation pays,
-/// within the error that the thread's precision allows, or where that allows no exact evaluation.
+/// True if a value is precise enough to report: within the relative width below which an exact evaluation pays, within
+/// the error that the thread's precision allows, or if that allows no exact evaluation.
 inline bool sharp(const Bounded& x, double relative_width) {
   const double bound = x.bound();
   if (!std::isfinite(bound)) return false;

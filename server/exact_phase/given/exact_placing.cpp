@@ -42,7 +42,7 @@ ExactSolid with_ends(std::vector<Point> points, Dyadic radius, ExactSolid::Kind 
   return solid;
 }
 
-/// The part with its corners where its pose puts them, all coordinates times `scale` and times |q|^2.
+/// Places the part's corners by its pose, all coordinates times `scale` and times |q|^2.
 class Placer {
  public:
   using Kind = ExactSolid::Kind;

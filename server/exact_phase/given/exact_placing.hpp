@@ -19,10 +19,10 @@ using ExactPart = std::variant<kernel::ExactSolid, Ground>;
 /// |q|^2.
 Dyadic square_norm(const Quat& q);
 
-/// A part of its own frame where the exact rotation v -> q v q* / |q|^2 and the exact translation put it, all coordinates
-/// times |q|^2 and times `scale`, so that none is a quotient.
+/// Places a part of its own frame with the exact rotation v -> q v q* / |q|^2 and the exact translation; all
+/// coordinates are multiplied by |q|^2 and by `scale`, so that none is a quotient.
 ///
-/// against  the part that it is to be compared with: where that is a cylinder or a cone, a flat part gets its border
+/// against  the part that it is compared with; if that is a cylinder or a cone, a flat part gets its border
 ExactPart exactly_placed(const ConvexPart& own, const Pose& pose, const Dyadic& scale, const ConvexPart& against);
 
 }  // namespace collided::engine

@@ -9,7 +9,7 @@
 namespace collided::engine {
 namespace {
 
-/// A part that is to be placed exactly: in its own frame, with its pose, or in world coordinates without one.
+/// A part before exact placing: in its own frame with its pose, or in world coordinates without one.
 struct UnplacedPart {
   ConvexPart own;
   Pose pose = {};

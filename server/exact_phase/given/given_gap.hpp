@@ -8,20 +8,20 @@ namespace collided::engine {
 
 struct GivenPair;  // given_overlap.hpp
 
-/// A distance in metres, the sum of two doubles, which is not rounded. Both finite, 0 or more.
+/// A distance in metres, the unrounded sum of two doubles. Both finite, 0 or more.
 struct GapLimit {
   double gap_m = 0;
   double more_m = 0;
 
-  /// Numbers that the sum surely does not exceed, and surely does not fall below.
+  /// Numbers that the sum certainly does not exceed, and certainly does not fall below.
   double high_m() const;
   double low_m() const;
 };
 
-/// Whether two closed sets come within the limit of each other where their poses put them; exactly at it is within. As
-/// overlaps_as_given, which is this with a limit of 0.
+/// Whether two closed sets, placed exactly by their poses, come within the limit of each other, equality included. With
+/// a limit of 0 it is overlaps_as_given().
 ///
-/// returns  undecided for pairs with a cylinder, a cone or an ellipsoid, for two half-spaces, and where a number is not
+/// returns  undecided for pairs with a cylinder, a cone or an ellipsoid, for two half-spaces, and if a number is not
 ///          finite
 /// cost     10 us to some ms; allocates
 /// threads  pure

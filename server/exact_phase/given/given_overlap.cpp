@@ -19,7 +19,7 @@ namespace {
 using kernel::ExactSolid;
 using Point = kernel::Vector<Dyadic>;
 
-/// Of parts whose world coordinates are what was given.
+/// Pose of parts given in world coordinates.
 const Pose kNowhere;
 
 const Pose& pose_of(const GivenPart& part) { return part.pose != nullptr ? *part.pose : kNowhere; }
@@ -31,7 +31,7 @@ ConvexPart own_part(const ConvexPart& in_world, const GivenPart& given) {
   return in_world;
 }
 
-/// The part in double, seen from a place near to it, where coordinates are small and placing rounds little.
+/// The part in double, relative to a place nearby, so that coordinates are small and placing rounds little.
 struct SeenNear {
   ConvexPart part;
   double off_m;
@@ -67,9 +67,9 @@ struct OwnPair {
   ConvexPart b;
   const Pose& pose_a;
   const Pose& pose_b;
-  double a_off_m = 0;  // how far points of `a` are from those that its exact form has
+  double a_off_m = 0;  // how far points of `a` are from those of its exact form
 
-  /// Where to look at them from. A hull in world coordinates is not placed anew.
+  /// The origin for the comparison. A hull in world coordinates is not moved.
   Vec3 place() const {
     const auto is_hull = [](const ConvexPart& part) {
       const auto* primitive = std::get_if<Primitive>(&part);
@@ -80,7 +80,7 @@ struct OwnPair {
   }
 };
 
-/// Both sets in double and exactly, near `place`.
+/// Both sets in double and exactly, relative to `place`.
 struct NearPair {
   SeenNear near_a;
   SeenNear near_b;
@@ -96,8 +96,8 @@ struct NearPair {
   }
 };
 
-/// A plane between the two or a point of both, as a search in double finds them, tested exactly. `to_exact` takes
-/// a point of the search to the coordinates of the solids.
+/// A plane between the two or a point of both, found by a search in double and tested exactly. `to_exact` converts a
+/// point of the search to the coordinates of the solids.
 template <class ToExact>
 Decision certified(const ExactSolid& a, const ExactSolid& b, const NearPair& near, const ToExact& to_exact) {
   const kernel::Witnesses witnesses(near.a, near.b);
@@ -126,14 +126,14 @@ Decision meets(const ExactSolid& a, const ExactSolid& b, const OwnPair& own, con
   return by_algebra != Decision::undecided ? by_algebra : kernel::refined_meet(a, b);
 }
 
-/// Makes of a set what it covers during a translation; false: that has no form here.
+/// Extends a set to what it sweeps during a translation; false if that has no form here.
 bool extend(ExactSolid& set, const Point& displacement) {
   if (is_round(set)) return false;
   const auto count = static_cast<std::uint32_t>(set.points.size());
   for (std::uint32_t i = 0; i < count; ++i) set.points.push_back(set.points[i] + displacement);
   if (set.kind == ExactSolid::Kind::ball) set.kind = ExactSolid::Kind::capsule;
   if (!set.border) return true;
-  // The features at both ends, and what corners and edges sweep; those of them that lie inside do no harm.
+  // The features at both ends, and what corners and edges sweep; those that lie inside do no harm.
   const kernel::FlatBorder begin = *set.border;
   for (const auto& [from, to] : begin.edges) {
     set.border->edges.push_back({from + count, to + count});
@@ -148,14 +148,14 @@ bool extend(ExactSolid& set, const Point& displacement) {
   return true;
 }
 
-/// One of two parts that move against each other: in world coordinates where its motion begins, and how far off that is.
+/// One of two parts in relative motion: in world coordinates at its beginning, and the error of that.
 struct BeginPart {
   const ConvexPart& placed;
   const GivenPart& given;
-  Vec3 way_m;  // against the other part
+  Vec3 way_m;  // relative to the other part
 };
 
-/// `swept` is what the first part covers on its way; the second one stands, in its own frame.
+/// `swept` is what the first part sweeps; the second one is at rest, in its own frame.
 Decision swept_meets(const ExactSolid& swept, const BeginPart& begin, const ExactSolid& other,
                      const ConvexPart& other_own, const Pose& other_pose, const Dyadic& scale) {
   using Kind = ExactSolid::Kind;
@@ -173,7 +173,7 @@ Decision swept_meets(const ExactSolid& swept, const BeginPart& begin, const Exac
   return by_algebra != Decision::undecided ? by_algebra : kernel::refined_meet(swept, other);
 }
 
-/// The part is lowest at one end of its way.
+/// The part is lowest at one end of its path.
 Decision comes_to(const Ground& ground, ExactSolid part, const Point& displacement) {
   const Decision at_begin = meets(ground, part);
   if (at_begin != Decision::no) return at_begin;
@@ -204,7 +204,7 @@ Decision overlaps_as_given(const ConvexPart& placed_a, const ConvexPart& placed_
   if (displacement.x.sign() == 0 && displacement.y.sign() == 0 && displacement.z.sign() == 0)
     return meets(*solid_a, *solid_b, own, scale);
   const Vec3 way_m = motion.until * ((motion.to_a - motion.from_a) - (motion.to_b - motion.from_b));
-  // Moving a against b is moving b back against a.
+  // Moving a relative to b is moving b back relative to a.
   if (extend(*solid_a, displacement))
     return swept_meets(*solid_a, {placed_a, given.a, way_m}, *solid_b, own.b, own.pose_b, scale);
   if (extend(*solid_b, -displacement))

@@ -11,39 +11,39 @@ namespace kernel {
 struct StraightMotion;
 }
 
-/// Two parts that are to be compared: as they stand in world coordinates, in double, and as they were given.
+/// Two parts to compare: in world coordinates, in double, and as they were given.
 struct GivenPair {
   const GivenPart& a;
   const GivenPart& b;
 
-  /// Both stand in world coordinates as they were given.
+  /// True if both were given in world coordinates.
   bool is_exact() const { return a.pose == nullptr && b.pose == nullptr; }
 };
 
-/// Whether two closed sets share a point where the exact rotation v -> q v q* / |q|^2 and the exact translation put
-/// them: by rationals, since |q|^2 is a common denominator of all coordinates. Touching counts.
+/// Whether two closed sets share a point, placed by the exact rotation v -> q v q* / |q|^2 and the exact translation:
+/// by rationals, since |q|^2 is a common denominator of all coordinates. Touching counts.
 ///
-/// placed_a, placed_b  the parts in world coordinates, taken where the given part has no pose
-/// returns   undecided only where a number is not finite, for two half-spaces, and for pairs with a cylinder, a cone or an
-/// ellipsoid that refined_meet (refined_search.hpp) leaves open
+/// placed_a, placed_b  the parts in world coordinates, used if the given part has no pose
+/// returns   undecided only if a number is not finite, for two half-spaces, and for pairs with a cylinder, a cone or an
+///           ellipsoid that refined_meet (refined_search.hpp) leaves open
 /// cost      10 us to some ms, 100 ms at worst; allocates
 /// threads   pure
 Decision overlaps_as_given(const ConvexPart& placed_a, const ConvexPart& placed_b, const GivenPair& given);
 
-/// The same at any time of a's straight motion against b; the poses have them where it begins.
+/// Decides for any time of a's straight motion relative to b; the poses are those at its beginning.
 ///
-/// returns  undecided also for two of cylinder, cone and ellipsoid that move
+/// returns  undecided also for two moving shapes among cylinder, cone and ellipsoid
 Decision overlaps_as_given(const ConvexPart& placed_a, const ConvexPart& placed_b, const GivenPair& given,
                            const kernel::StraightMotion& motion);
 
-/// A segment of a ray, from one multiple of the direction to another: its ends need not be doubles.
+/// A segment of a ray between two multiples of the direction; its ends need not be doubles.
 struct RaySegment {
   const Ray& ray;
   double from;
   double to;
 };
 
-/// The same for a segment and a part.
+/// Decides for a segment and a part.
 Decision overlaps_as_given(const RaySegment& segment, const ConvexPart& placed, const GivenPart& given);
 
 }  // namespace collided::engine

@@ -28,7 +28,7 @@ Where where(double value, double margin) {
   return value < -margin ? Where::below : Where::doubtful;
 }
 
-/// A ray that begins inside must have been found to do so, and another one to meet the part or not.
+/// True if the start and the path agree with the verdict: inside or not, hit or not.
 bool agrees(Where start, Where way, const ExactResult& verdict, const RayHit& hit) {
   if (start == Where::doubtful || verdict.decision == Decision::undecided) return false;
   if (start == Where::below) return verdict.yes() && hit.inside;
@@ -55,7 +55,7 @@ bool holds_within(const Ray& ray, const Box& placed, double off_m, const ExactRe
   const Vec3 direction = placed.axes.transpose() * (ray.direction / stable_length(ray.direction));
   const double margin_m = off_m + kHoldsRoundoffs * (to.norm() + placed.half_m.norm());
   const Where start = where((to.cwiseAbs() - placed.half_m).maxCoeff(), margin_m);
-  // The stretches of the ray in the box enlarged and reduced by the margin.
+  // The sections of the ray in the box enlarged and reduced by the margin.
   double in[2] = {0, 0};
   double out[2] = {ray.length_m, ray.length_m};
   for (int axis = 0; axis < 3; ++axis) {
@@ -79,7 +79,7 @@ bool holds_within(const Ray& ray, const HalfSpace& placed, double off_m, const E
                   const RayHit& hit) {
   const Vec3 normal = kernel::unit(placed.normal);
   const Vec3 to = ray.origin - placed.point;
-  // The plane is off by more the farther away one looks: kTurnedPoint twice of the distance, as placing_error_m says.
+  // The plane's error grows with the distance: kTurnedPoint twice of the distance, as in placing_error_m().
   constexpr double kPlaneTurned = 2 * kTurnedPoint + kHoldsRoundoffs;
   const auto off_at = [&](double distance_m) { return off_m + kPlaneTurned * (to.norm() + distance_m); };
   const double ahead_m = normal.dot(to);
@@ -91,7 +91,7 @@ bool holds_within(const Ray& ray, const HalfSpace& placed, double off_m, const E
   return agrees(start, way, verdict, hit);
 }
 
-/// Seen where the ellipsoid is the unit ball: no length is more than 1 / least half axis times as long there.
+/// In coordinates in which the ellipsoid is the unit ball, a length is at most 1 / least half axis times as long.
 bool holds_within(const Ray& ray, const Ellipsoid& placed, double off_m, const ExactResult& verdict,
                   const RayHit& hit) {
   const auto seen = [&](const Vec3& v) { return Vec3((placed.axes.transpose() * v).cwiseQuotient(placed.half_m)); };
@@ -105,7 +105,7 @@ bool holds_within(const Ray& ray, const Ellipsoid& placed, double off_m, const E
 
 namespace {
 
-/// The axis of a capsule, cylinder or cone, and a point seen from its first end.
+/// The axis of a capsule, cylinder or cone, and a point relative to its first end.
 struct SeenAlong {
   double length_m;
   double along_m;
@@ -120,7 +120,7 @@ struct SeenAlong {
   }
 };
 
-/// How far a point is outside, or inside as a negative number: no farther than the border is.
+/// How far a point is outside, or, if negative, inside: at most its distance from the border.
 double outside_m(const Capsule& c, const Vec3& point) {
   const SeenAlong seen(c.a, c.b, point);
   const double beyond_m = std::max({-seen.along_m, seen.along_m - seen.length_m, 0.0});
@@ -137,7 +137,7 @@ double outside_m(const Cone& c, const Vec3& point) {
   return std::max(seen.along_m - seen.length_m, beside_m);
 }
 
-/// By the point in the middle of the stretch in the solid, or by the distance from the whole axis of a ray that misses it.
+/// Decides by the midpoint of the section in the solid, or, for a ray that misses, by its distance from the whole axis.
 template <class Solid>
 bool holds_about_axis(const Ray& ray, const Solid& placed, const Vec3& from, const Vec3& to, double off_m,
                       const ExactResult& verdict, const RayHit& hit) {
@@ -154,7 +154,7 @@ bool holds_about_axis(const Ray& ray, const Solid& placed, const Vec3& from, con
   } else {
     const Vec3 across = direction.cross(axis);
     const double sine_m = across.norm();
-    // Beside an axis that is nearly parallel the distance of the lines is known too badly.
+    // For a nearly parallel axis, the distance of the lines is known too badly.
     constexpr double kLeastSine = 0.125;
     const bool is_skew = sine_m > kLeastSine * axis.norm();
     if (is_skew && std::abs(away.dot(across)) > (placed.radius_m + 2 * margin_m) * sine_m)
@@ -177,7 +177,7 @@ bool holds_within(const Ray& ray, const Cone& placed, double off_m, const ExactR
 
 namespace {
 
-/// Beyond this distance along the ray there is nothing of a part within the box.
+/// Beyond this distance along the ray, nothing of a part within the box follows.
 double reach_along(const Ray& ray, const Aabb& box, double off_m) {
   const Vec3 most = (box.high - ray.origin).cwiseAbs().cwiseMax((box.low - ray.origin).cwiseAbs());
   return (most.norm() + 2 * off_m) * (1 + kBoundSlack);
@@ -220,7 +220,7 @@ class RayOnGiven {
     const double end = ray_.length_m / length_m_;
     if (!(end < reach_)) return meets(0, reach_);
     if (has_length_of(end)) return meets(0, end);
-    // The quotient is within a few roundings of the end, which is no double.
+    // The quotient is within a few roundings of the end, which is not a double.
     if (meets(0, end * (1 - kFewSlack)) == Decision::yes) return Decision::yes;
     return meets(0, end * (1 + kFewSlack)) == Decision::no ? Decision::no : Decision::undecided;
   }
@@ -234,7 +234,7 @@ class RayOnGiven {
   double reach_m() const { return reach_ * length_m_; }
 
  private:
-  static constexpr double kWideBracket = 16;  // a bracket no wider than so many times what placing is off is not cut
+  static constexpr double kWideBracket = 16;  // brackets up to this many placing errors wide are not narrowed
 
   struct StepBracket {
     double low;
@@ -246,7 +246,8 @@ class RayOnGiven {
     return (Dyadic(s) * Dyadic(s) * kernel::square(kernel::Vector<Dyadic>(ray_.direction)) - length * length).sign() ==
            0;
   }
-  /// Brackets where `is_past` turns from no to yes; it is yes at reach_. Undecided points stay in the bracket.
+  /// Brackets the point at which `is_past` turns from no to yes; it is yes at reach_. Undecided points stay in the
+  /// bracket.
   template <class IsPast>
   StepBracket bracket(double guess_m, const IsPast& is_past) const {
     StepBracket found{0, reach_};
@@ -280,11 +281,11 @@ class RayOnGiven {
   const ConvexPart& placed_;
   const GivenPart& given_;
   double length_m_;
-  double reach_;  // the part ends before
+  double reach_;  // the part ends before this distance
   double width_;
 };
 
-/// Against the ray, where the ray touches the part or passes it as close as its placing is off.
+/// A normal against the ray, at the point where the ray touches the part or passes within its placing error.
 Vec3 normal_beside(const Ray& ray, const ConvexPart& placed, double reach_m) {
   if (const auto* triangle = std::get_if<Triangle>(&placed)) {
     const Vec3 normal = kernel::unit(Vec3((triangle->b - triangle->a).cross(triangle->c - triangle->a)));

@@ -10,8 +10,8 @@ namespace collided::engine {
 /// True if the answer of double for a placed part (yes or no, and whether the ray begins inside) holds for every part
 /// whose points differ from the placed ones by at most off_m.
 ///
-/// verdict, hit  what cast_ray found
-/// cost          some 10 to 50 ns; a hull, or a miss that is a near one: that of two pairs of convex shapes
+/// verdict, hit  what cast_ray found cost some 10 to 50 ns; for a hull, or for a near miss, that of two pairs of convex
+///               shapes
 bool holds_within(const Ray& ray, const Sphere& placed, double off_m, const ExactResult& verdict, const RayHit& hit);
 bool holds_within(const Ray& ray, const Box& placed, double off_m, const ExactResult& verdict, const RayHit& hit);
 bool holds_within(const Ray& ray, const Ellipsoid& placed, double off_m, const ExactResult& verdict, const RayHit& hit);
@@ -22,19 +22,20 @@ bool holds_within(const Ray& ray, const HalfSpace& placed, double off_m, const E
 bool holds_within(const Ray& ray, const ConvexPart& placed, double off_m, const ExactResult& verdict,
                   const RayHit& hit);
 
-/// Whether a ray meets a part where its pose puts it exactly, as overlaps_as_given decides it. On yes the hit is that of the
-/// exact part: distance and exit are found by bisection, and their bounds contain the truth.
+/// Whether a ray meets a part placed exactly, decided like overlaps_as_given(). On yes the hit is that of the exact
+/// part: distance and exit are found by bisection, and their bounds contain the truth.
 ///
-/// hit      in: that of the placed part, if it meets the ray. The weights and the normal are close to those at the exact hit
+/// hit      in: that of the placed part, if it meets the ray. The weights and the normal are close to those at the
+///          exact hit
 /// off_m    as in holds_within, above 0
-/// returns  the verdict for the placed part where the rationals leave it open; undecided where the thread's Precision
-///          forbids rationals
+/// returns  the verdict for the placed part if the rationals leave it open; undecided if the thread's Precision forbids
+///          rationals
 /// cost     50 us to some ms, more for cylinders, cones and ellipsoids; allocates
 ExactResult ray_as_given(const Ray& ray, const ConvexPart& placed, const GivenPart& given, double off_m,
                          ExactResult verdict, RayHit& hit);
 
-/// As cast_ray, for the part where its pose puts it exactly. The distance is that of the placed part wherever the answer
-/// for it surely holds for the given one; placing_error_along bounds the difference.
+/// Same as cast_ray, for the exactly placed part. The distance is that of the placed part if its answer certainly holds
+/// for the given one; placing_error_along bounds the difference.
 ///
 /// given_of  called in doubt only
 /// cost      a triangle: that of cast_ray; else that of cast_ray and holds_within; ray_as_given in doubt

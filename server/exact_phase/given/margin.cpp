@@ -9,10 +9,10 @@
 namespace collided::engine {
 namespace {
 
-/// The points within by_m of the shape, or slightly more. by_m < 0: points of the shape that are at least -by_m inside.
-/// Nothing where such a set has no form that is known here, or no point.
+/// The points within by_m of the shape, or slightly more. by_m < 0: points at least -by_m inside the shape. Nothing if
+/// the set is empty or has no known form.
 std::optional<Primitive> grown(const Primitive& shape, double by_m) {
-  // The sum's rounding goes the way of by_m too; a box's axes are orthonormal up to less than kChainSlack.
+  // The sum's rounding goes in the direction of by_m too; a box's axes are orthonormal up to less than kChainSlack.
   const auto resized = [&](double size_m) {
     return (size_m + by_m * (1 + kChainSlack)) * (by_m > 0 ? 1 + 2 * kRoundoff : 1 - 2 * kRoundoff);
   };
@@ -36,7 +36,7 @@ std::optional<Primitive> grown(const Primitive& shape, double by_m) {
       shape);
 }
 
-/// A pair with one of the two grown; nothing where neither can be.
+/// A pair with one of the two grown; nothing if neither can be.
 std::optional<Decision> overlaps_grown(const ConvexPart& a, const ConvexPart& b, double by_m) {
   for (const auto& [resized, other] : {std::pair{&a, &b}, std::pair{&b, &a}}) {
     const auto* primitive = std::get_if<Primitive>(resized);

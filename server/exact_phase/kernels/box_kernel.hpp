@@ -12,7 +12,7 @@ struct Solid {
   Vector<N> center;
   std::array<Vector<N>, 3> axis;
   std::array<Vector<N>, 3> reach;   // half * axis: from the centre to the middle of a face
-  std::array<Vector<N>, 3> normal;  // of the faces: cross product of the other two axes
+  std::array<Vector<N>, 3> normal;  // face normals: cross product of the other two axes
   std::array<N, 3> half;
   std::array<N, 3> height;  // |normal . reach|, the largest |normal . (x - center)| inside
   Sign volume;              // zero: the axes do not span space, and no test here decides
@@ -100,7 +100,7 @@ Decision point_near_solid(const Vector<N>& w, const Solid<N>& box, const N& R2) 
   return any.result();
 }
 
-/// What separating axes are tested on: the hull of up to three points, plus the extent of a box.
+/// A body for tests of separating axes: the hull of up to three points, plus the extent of a box.
 template <class N>
 struct Body {
   std::array<Vector<N>, 3> point;
@@ -122,7 +122,7 @@ Decision separates(const Vector<N>& n, const Body<N>& a, const Body<N>& b) {
     if (!body->box) continue;
     for (int i = 0; i < 3; ++i) reach = reach + body->box->half[i] * abs(dot(n, body->box->axis[i]));
   }
-  // Differences of the points first, so that errors scale with the pair's size.
+  // Takes differences of the points first, so that errors scale with the pair's size.
   N nearest = dot(n, b.point[0] - a.point[0]);
   N farthest = nearest;
   for (int i = 0; i < a.point_count; ++i) {

@@ -16,7 +16,7 @@ struct Nearest {
   Vector<N> base;
   Vector<N> step;
   N step_scale;
-  int corner = -1;  // number of the segment's or facet's corner that is the nearest point; -1: none
+  int corner = -1;  // index of the segment's or facet's corner that is the nearest point; -1: none
 };
 
 template <class N>
@@ -25,7 +25,7 @@ Nearest<N> at_corner(const Vector<N>& w, const Vector<N>& corner, int index) {
   return {Decision::yes, square(w), N(1.0), w, corner, {zero, zero, zero}, N(1.0), index};
 }
 
-/// The corner numbers are those that the segment's ends have in the set they belong to.
+/// The corner numbers are those of the segment's ends in their set.
 template <class N>
 Nearest<N> nearest_on_segment(const Vector<N>& p, const Segment<N>& s, int corner_a = 0, int corner_b = 1) {
   const Vector<N>& d = s.d;
@@ -41,7 +41,7 @@ Nearest<N> nearest_on_segment(const Vector<N>& p, const Segment<N>& s, int corne
       sure ? Decision::yes : Decision::undecided, square(cross(w, d)), dd, dd * w - along * d, s.a, along * d, dd, -1};
 }
 
-/// Where p is not above the facet, the nearest point lies on an edge that p is outside of.
+/// If p is not above the facet, the nearest point lies on an edge that p is outside of.
 template <class N>
 Nearest<N> nearest_on_facet(const Vector<N>& p, const Facet<N>& f) {
   const Decision flat = is_zero(f.normal);
@@ -74,7 +74,7 @@ Nearest<N> nearest_on_facet(const Vector<N>& p, const Facet<N>& f) {
   return best;
 }
 
-/// Where the nearest point lies within the box along each axis: at the bound -1 or +1, or 0 for strictly between.
+/// Position of the nearest point in the box along each axis: at the bound -1 or +1, or 0 for strictly between.
 using Pattern = std::array<int, 3>;
 
 /// The pattern by clamping the coordinates of p: right for perpendicular axes, a good guess for others.
@@ -133,7 +133,7 @@ Nearest<N> nearest_at_box_corner(const Vector<N>& w, const Solid<N>& box, const 
   return {valid.result(), square(v), N(1.0), v, box.center, corner, N(1.0), -1};
 }
 
-/// The candidate for one pattern; `sure` where it satisfies the conditions of a nearest point (Karush, Kuhn, Tucker;
+/// The candidate for one pattern; `sure` if it satisfies the conditions of a nearest point (Karush, Kuhn, Tucker;
 /// sufficient because the set is convex). The point must be outside the box.
 template <class N>
 Nearest<N> nearest_at(const Vector<N>& w, const Solid<N>& box, const Pattern& at) {
@@ -194,15 +194,15 @@ BoundedPoint foot(const Nearest<N>& nearest) {
 struct NearestValue {
   Bounded gap{0, std::numeric_limits<double>::infinity()};
   Vec3 away = Vec3::Zero();  // unit, from the set to p; zero if p is on the set without its radius
-  // Of the set without its radius.
+  // on the set without its radius
   Vec3 foot = Vec3::Zero();
-  double foot_error_m = 0;  // |true foot - foot| at most
-  double away_error = 0;    // |true direction - away| at most
+  double foot_error_m = 0;  // bound on |true foot - foot|
+  double away_error = 0;    // bound on |true direction - away|
   bool known = false;
   bool crisp = false;  // gap and direction are precise enough to report
 };
 
-/// Whether a direction is precise enough to be a normal: moving along it by the depth still separates the shapes.
+/// True if a direction is precise enough to be a normal: moving along it by the depth still separates the shapes.
 template <class N>
 bool sharp_direction(const Vector<N>&) {
   return true;
@@ -216,8 +216,8 @@ bool sharp_direction(const Vector<N>& v) {
 
 inline bool sharp_direction(const Vector<Scaled>& v) { return sharp_direction(in_range(v)); }
 
-/// |true unit vector - unit(v)|: at most |error| / |v| for the direction (the chord of an angle below 2^-30), plus the
-/// roundings of normalising.
+/// Bound on |true unit vector - unit(v)|: |error| / |v| for the direction (the chord of an angle below 2^-30), plus the
+/// rounding of the normalisation.
 template <class N>
 double unit_error(const Vector<N>&) {
   return kUnitVector;
@@ -226,7 +226,7 @@ template <Rounding N>
 double unit_error(const Vector<N>& v) {
   const double largest = std::max({std::abs(v.x.value), std::abs(v.y.value), std::abs(v.z.value)});
   const double error = v.x.bound() + v.y.bound() + v.z.bound();
-  constexpr double kSecondOrder = 0x1p-20;  // of an error that is small beside the largest
+  constexpr double kSecondOrder = 0x1p-20;  // relative to the largest error
   return largest == 0 ? 0 : error / largest * (1 + kSecondOrder) + kUnitVector;
 }
 inline double unit_error(const Vector<Scaled>& v) { return unit_error(in_range(v)); }

@@ -34,7 +34,7 @@ Decision sets_meet(const Sphere& a, const Box& b) {
   const Pattern guess = guessed_pattern(a.center, b);
   const Solid<N> box(b);
   const Vector<N> w = Vector<N>(a.center) - box.center;
-  // The guessed feature decides alone if it proves to be the nearest.
+  // The guessed feature alone decides if it proves to be the nearest.
   if (guess != Pattern{} && box.spans()) {
     const Nearest<N> nearest = nearest_at(w, box, guess);
     if (nearest.sure == Decision::yes) return at_most(nearest.square, radius2<N>(a.radius_m) * nearest.scale);

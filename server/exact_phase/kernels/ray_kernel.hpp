@@ -51,7 +51,7 @@ Reach<N> ray_to_segment(const Line<N>& ray, const Segment<N>& s) {
   return {all.result(), along_ray, nn};
 }
 
-/// For a ray in the triangle's plane, or a triangle without one.
+/// For a ray in the triangle's plane, or a triangle that spans no plane.
 template <class N>
 Reach<N> ray_to_flat_facet(const Line<N>& ray, const Facet<N>& f) {
   const int axis = dropped_axis(f.normal);
@@ -71,8 +71,8 @@ Reach<N> ray_to_flat_facet(const Line<N>& ray, const Facet<N>& f) {
   return first;
 }
 
-/// The side of each edge on which the ray's line passes: edge . (corner - origin) x direction (the line's moment about
-/// the edge, half of its Pluecker product). Edge i runs from corner i to i + 1; the three sum to -(direction . normal).
+/// The side on which the ray's line passes each edge: edge . (corner - origin) x direction (the line's moment about the
+/// edge, half of its Pluecker product). Edge i runs from corner i to i + 1; the three sum to -(direction . normal).
 template <class N>
 std::array<N, 3> edge_sides(const Line<N>& ray, const Facet<N>& f) {
   std::array<N, 3> side;
@@ -80,7 +80,7 @@ std::array<N, 3> edge_sides(const Line<N>& ray, const Facet<N>& f) {
   return side;
 }
 
-/// against: the direction points against the normal.
+/// against: whether the direction points against the normal.
 template <class N>
 Reach<N> ray_to_plane(const Line<N>& ray, const Facet<N>& f, bool against) {
   N numerator = dot(f.corner[0] - ray.origin, f.normal);

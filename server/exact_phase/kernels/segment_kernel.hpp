@@ -5,8 +5,8 @@
 namespace collided::engine::kernel {
 
 // Nearness of points and segments by squared distances: whether one set is within R of another, given R^2. The nearest
-// pair lies on some pair of features; testing every pair against R and joining the answers by "or" needs no choice of
-// the nearest one, so a tie between features never costs an exact evaluation.
+// pair lies on some pair of features. Testing every pair against R and joining the answers by "or" requires no choice
+// of the nearest one, so a tie between features never costs an exact evaluation.
 // Source of the features: Ericson, "Real-Time Collision Detection", 2005, 5.1.
 
 template <class N>
@@ -57,7 +57,7 @@ Decision segments_near(const Segment<N>& s, const Segment<N>& t, const N& R2) {
   const N height = dot(w, n);
   const Decision lines_near = at_most(height * height, R2 * nn);
   if (lines_near == Decision::no) return Decision::no;
-  // Both feet lie strictly inside; this also implies that n is not zero.
+  // Both feet lie strictly inside, which also implies that n is not zero.
   const N along_s = -dot(w, cross(e, n));
   const N along_t = -dot(w, cross(d, n));
   AllOf inner;

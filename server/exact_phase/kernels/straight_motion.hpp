@@ -4,7 +4,8 @@
 
 namespace collided::engine::kernel {
 
-/// The motion of a against b while both move straight at constant speed, from time 0 to `until` in [0, 1]; not rounded.
+/// The motion of a relative to b while both move straight at constant speed, from time 0 to `until` in [0, 1]; not
+/// rounded.
 struct StraightMotion {
   Vec3 from_a = Vec3::Zero();
   Vec3 to_a = Vec3::Zero();
@@ -17,7 +18,7 @@ struct StraightMotion {
   Vector<N> displacement() const {
     return N(until) * ((Vector<N>(to_a) - Vector<N>(from_a)) - (Vector<N>(to_b) - Vector<N>(from_b)));
   }
-  /// The same with a and b exchanged.
+  /// The motion with a and b exchanged.
   StraightMotion turned() const { return {from_b, to_b, from_a, to_a, until}; }
 };
 

@@ -23,7 +23,8 @@ struct Facet {
   Segment<N> side(int i) const { return {corner[i], corner[(i + 1) % 3], edge[i]}; }
 };
 
-/// Whether the point stands strictly over the facet's inside; `near_plane` says whether it is within R of the plane.
+/// Whether the point stands strictly over the facet's interior; `near_plane` states whether it is within R of the
+/// plane.
 template <class N>
 Decision point_near_face(const Vector<N>& p, const Facet<N>& f, Decision near_plane) {
   AllOf all;
@@ -47,7 +48,7 @@ Decision point_near_facet(const Vector<N>& p, const Facet<N>& f, const N& R2) {
   return any.result();
 }
 
-/// The axis to drop for a projection: one along which n is surely not zero; -1 if unsure, 3 if n is zero.
+/// The axis to drop for a projection: one along which n is certainly not zero; -1 if uncertain, 3 if n is zero.
 template <class N>
 int dropped_axis(const Vector<N>& n) {
   bool unsure = false;
@@ -161,7 +162,7 @@ Decision line_pierces_facet(const Segment<N>& s, const Facet<N>& f) {
   return unsure ? Decision::undecided : Decision::yes;
 }
 
-/// The side of the facet's plane that a point is on.
+/// The side of the facet's plane on which a point is.
 template <class N>
 Sign plane_side(const Vector<N>& p, const Facet<N>& f) {
   return sign(dot(f.normal, p - f.corner[0]));
@@ -173,8 +174,8 @@ template <class N>
 Decision segment_meets_facet(const Segment<N>& s, const Facet<N>& f, Sign a, Sign b) {
   if ((a == Sign::positive && b == Sign::positive) || (a == Sign::negative && b == Sign::negative)) return Decision::no;
   if (a == Sign::unsure || b == Sign::unsure) {
-    // Whether the plane is reached is uncertain, but a line that surely misses the triangle decides all the same. If
-    // the two lie in one plane, all three sides are zero, so they never have both signs.
+    // If it is uncertain whether the plane is reached, a line that certainly misses the triangle still decides. If the
+    // two lie in one plane, all three sides are zero, so they never have both signs.
     return line_pierces_facet(s, f) == Decision::no ? Decision::no : Decision::undecided;
   }
   if (a != Sign::zero || b != Sign::zero) return line_pierces_facet(s, f);
@@ -193,7 +194,7 @@ Decision segment_meets_facet(const Segment<N>& s, const Facet<N>& f) {
   return segment_meets_facet(s, f, plane_side(s.a, f), plane_side(s.b, f));
 }
 
-/// The sides of a plane that three corners are on.
+/// The sides of a plane on which three corners are.
 using SideSigns = std::array<Sign, 3>;
 
 template <class N>

@@ -10,8 +10,8 @@
 #include "server/exact_phase/arithmetic/plain_range.hpp"
 #include "server/exact_phase/overlap/box_lanes.hpp"
 
-// Without fused operations, so that every instruction set decides the same pairs; the bounds count on the order of
-// operations of BoxPair.
+// Without fused operations, so that every instruction set decides the same pairs; the bounds assume BoxPair's order of
+// operations.
 HWY_BEFORE_NAMESPACE();
 namespace collided::engine::kernel::HWY_NAMESPACE {
 namespace {
@@ -23,7 +23,7 @@ using AxisLanes = hn::Vec<AxisDoubles>;
 using AxisMask = hn::Mask<AxisDoubles>;
 constexpr AxisDoubles kAxisDoubles;
 constexpr int kAxisStride = static_cast<int>(hn::MaxLanes(kAxisDoubles));
-/// Axes in fives of four: a's faces, b's faces, and each edge of a crossed with those of b.
+/// Axes in five groups of four: a's faces, b's faces, and each edge of a crossed with those of b.
 constexpr int kGroups = 5;
 
 struct Lanes3 {
@@ -48,11 +48,11 @@ HWY_INLINE AxisMask is_same_line(const Lanes3& a, const Lanes3& b) {
   return hn::Or(is_same(a, b), is_same(a, {hn::Neg(b.x), hn::Neg(b.y), hn::Neg(b.z)}));
 }
 
-/// A box's axes by coordinate, for lanes that begin at any of them.
+/// A box's axes by coordinate, cyclically repeated for lanes that begin at any of them.
 struct BoxColumns {
-  double axis[3][6];    // coordinate, axis and round again
-  double half_m[6];     // likewise
-  double normal[3][3];  // of a face, coordinate
+  double axis[3][6];    // coordinate, axis with repetition
+  double half_m[6];     // with repetition
+  double normal[3][3];  // face, coordinate
   double volume;
   double largest;
 
@@ -88,7 +88,7 @@ struct BoxPairLanes {
   BoxColumns b;
   double between[3];
   double axis;   // largest coordinate of an axis
-  double reach;  // at least what two points of the pair differ by
+  double reach;  // upper bound on coordinates of differences between two points of the pair
 
   HWY_INLINE BoxPairLanes(const Box& first, const Box& second)
       : a(first),
@@ -100,7 +100,7 @@ struct BoxPairLanes {
     reach = apart + axis * (first.half_m.sum() + second.half_m.sum());
   }
 
-  /// Calls visit(group, first lane, n, extent, left out) for four axes at a time, until it returns false.
+  /// Calls visit(group, first lane, n, extent, excluded) for four axes at a time, until it returns false.
   template <class Visit>
   HWY_INLINE bool for_each_group(Visit&& visit) const {
     for (int first = 0; first < kAxes; first += kAxisStride) {
@@ -150,20 +150,20 @@ struct BoxPairLanes {
 constexpr double kLongestAxis_m = 0x1p100;
 bool is_near_one(double length) { return length >= 1 / kLongestAxis_m && length <= kLongestAxis_m; }
 
-/// What the gaps between two boxes say, four axes at a time.
+/// The gaps between two boxes, four axes at a time.
 struct GapsOfAxes {
   double error = 0;
   bool is_in_range = false;
   bool is_sure = true;  // no gap comes within the bound of separating
 
   HWY_INLINE GapsOfAxes(const BoxPairLanes& pair, const BoxGapBounds& bounds) {
-    // A gap changes by at most |n| <= 2 sqrt(3) A^2 times what the points are moved by.
+    // A gap changes by at most |n| <= 2 sqrt(3) A^2 times the distance by which the points are moved.
     error = (bounds.of_reach * pair.reach + 4 * bounds.off_m) * pair.axis * pair.axis;
     const double singular = bounds.singular * pair.axis * pair.axis * pair.axis;
     is_in_range =
         is_near_one(pair.axis) && is_near_one(pair.reach) && std::min(pair.a.volume, pair.b.volume) > singular;
   }
-  /// False: one of the axes surely separates.
+  /// False: one of the axes certainly separates.
   HWY_INLINE bool add(AxisLanes gap, AxisMask is_left_out) {
     if (!hn::AllFalse(kAxisDoubles, hn::AndNot(is_left_out, hn::Gt(gap, hn::Set(kAxisDoubles, error))))) return false;
     is_sure = is_sure && hn::AllTrue(kAxisDoubles, hn::Or(is_left_out, hn::Lt(gap, hn::Set(kAxisDoubles, -error))));
@@ -182,11 +182,11 @@ struct DepthsOfAxes {
       : least_high(hn::Set(kAxisDoubles, std::numeric_limits<double>::infinity())),
         error(hn::Set(kAxisDoubles, error_share * pair.reach * pair.axis * pair.axis)) {}
 
-  /// over_n: how far apart the centres are along n, as the extent is times |n|.
+  /// over_n: the distance of the centres along n, times |n| like the extent.
   HWY_INLINE void add(int group, int lane, const Lanes3& n, AxisLanes extent, AxisLanes over_n) {
     const AxisLanes infinity = hn::Set(kAxisDoubles, std::numeric_limits<double>::infinity());
     const AxisLanes square = dot(n, n);
-    // Parallel edges have no normal to speak of, and out of range no bound holds: such an axis stays.
+    // Parallel edges have no reliable normal, and out of range no bound holds: such an axis stays.
     const AxisMask is_plain = hn::And(hn::Gt(square, hn::Set(kAxisDoubles, 1 / kLargestPlain2)),
                                       hn::Lt(square, hn::Set(kAxisDoubles, kLargestPlain2)));
     const AxisLanes one = hn::Set(kAxisDoubles, 1);
@@ -264,14 +264,14 @@ HWY_INLINE AxisLanes extent_over(const Lanes3& n, const Box& box) {
   return extent;
 }
 
-/// What separates two boxes along an axis all the way from start to end must leave more than the extent of both.
+/// If the two separate along an axis throughout, the gap at start and end must exceed the extent of both.
 HWY_INLINE AxisMask is_apart(AxisLanes first, AxisLanes last, AxisLanes extent) {
   return hn::Or(hn::Gt(hn::Min(first, last), extent), hn::Lt(hn::Max(first, last), hn::Neg(extent)));
 }
 
 bool PartedInLanes(const Box& first, const Box& second, const BoxPairMotion& motion) {
   const BoxPairLanes pair(first, second);
-  // Where the centres would have been without turning, and where they were.
+  // Where the centres would have been without rotation, and where they were.
   const double unturned[3] = {pair.between[0] - motion.travel[0], pair.between[1] - motion.travel[1],
                               pair.between[2] - motion.travel[2]};
   const Vec3 start = motion.b_at_start.center - motion.a_at_start.center;

@@ -9,7 +9,7 @@
 
 namespace collided::engine::kernel {
 
-/// A box's axes in plain double, with what tests of separation derive from them.
+/// A box's axes in plain double, with values derived for tests of separation.
 struct BoxAxes {
   std::array<Triple, 3> axis;
   std::array<Triple, 3> normal;  // cross products of the other two axes
@@ -57,7 +57,8 @@ struct BoxPair {
   double reach() const { return between.largest() + axis() * (a.half_sum + b.half_sum); }
 
   /// Calls visit(number, n, extent) for the axes n, of any length, in the order of facet_axes(): a's faces, b's faces,
-  /// crosses of edges. extent: how far both together reach along n from their centres, times |n|. False ends it.
+  /// crosses of edges. extent: how far both together reach along n from their centres, times |n|. visit returns false
+  /// to end.
   template <class Visit>
   bool for_each_axis(Visit&& visit) const {
     for (int i = 0; i < 3; ++i) {

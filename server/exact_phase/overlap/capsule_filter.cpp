@@ -9,15 +9,15 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// Projections from a box to a segment and back; what these do not decide goes to the ladder.
+/// Projections from a box to a segment and back; undecided pairs go to the ladder.
 constexpr int kProjections = 6;
 
 double nearest_on(const Vec3& point, const Vec3& start, const Vec3& displacement, double travel_m2) {
   return travel_m2 > 0 ? std::clamp((point - start).dot(displacement) / travel_m2, 0.0, 1.0) : 0.0;
 }
 
-/// gap: from a point of one core to a point of the other; beyond_m2: how far the cores are apart along it, times its
-/// length; largest_m2: at least the square of any difference that went into both.
+/// gap: from a point of one core to a point of the other; beyond_m2: distance of the cores along it, times its length;
+/// largest_m2: at least the square of any difference used for both.
 Decision decide(const Vec3& gap, double beyond_m2, double reach_m, double largest_m2) {
   const double slack_m2 = kBallsApartSlack * largest_m2;
   const double gap_m2 = gap.squaredNorm();
@@ -47,7 +47,7 @@ Decision quickly_overlaps(const Capsule& a, const Capsule& b) {
   const double t = b_m2 > 0 ? std::clamp((across * s + along_b) / b_m2, 0.0, 1.0) : 0.0;
   s = a_m2 > 0 ? std::clamp((across * t - along_a) / a_m2, 0.0, 1.0) : 0.0;
   const Vec3 gap = from + s * motion_a - t * motion_b;
-  // The least reach of a's ends minus the largest of b's, along the gap.
+  // The least reach of a's ends along the gap, less the largest of b's.
   const double beyond_m2 = gap.dot(from) + std::min(0.0, gap.dot(motion_a)) - std::max(0.0, gap.dot(motion_b));
   return decide(gap, beyond_m2, reach_m, largest_m2);
 }

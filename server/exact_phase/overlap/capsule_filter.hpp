@@ -5,8 +5,8 @@
 
 namespace collided::engine::kernel {
 
-/// Whether a capsule meets another or a box, where plain double is certain; else undecided. A point of each core proves
-/// a yes; a plane perpendicular to the gap, with all of the other's corners behind it, proves a no. So a nearest point
+/// Whether a capsule meets another or a box, if plain double is certain; else undecided. A point of each core proves a
+/// yes; a plane perpendicular to the gap, with all of the other's corners behind it, proves a no. So a nearest point
 /// with a larger error than its roundings loses an answer but never falsifies one, and a box's axes need not be
 /// perpendicular.
 ///

@@ -12,8 +12,8 @@ namespace {
 using kernel::Triple;
 using kernel::Vector;
 
-/// The side of the plane through o, p, q on which r lies, where plain double is certain, else 0; arguments are relative
-/// to o.
+/// The side of the plane through o, p, q on which r lies, if plain double is certain, else 0; arguments are relative to
+/// o.
 int sure_side(const Triple& p, const Triple& q, const Triple& r) {
   const double product = dot(r, cross(p, q));
   const double scale = p.largest() * q.largest() * r.largest();
@@ -27,7 +27,7 @@ int sure_side(const Triple& p, const Triple& q, const Triple& r) {
 
 ExactResult no() { return {Decision::no, Level::filter}; }
 
-/// Whether the four points lie in one plane, with a and b on the same side of their common edge.
+/// True if the four points lie in one plane, with a and b on the same side of their common edge.
 template <class N>
 Decision folds(const Triangle& a, const Triangle& b) {
   const Vector<N> o(a.a);
@@ -35,7 +35,7 @@ Decision folds(const Triangle& a, const Triangle& b) {
   const Vector<N> n = cross(along, Vector<N>(a.c) - o);
   const Decision in_plane = kernel::is_zero(dot(n, Vector<N>(b.c) - o));
   if (in_plane != Decision::yes) return in_plane;
-  // In the plane, the two normals agree where both triangles lie on one side of the edge.
+  // In the plane, the two normals agree if both triangles lie on one side of the edge.
   return kernel::is_positive(dot(n, cross(along, Vector<N>(b.c) - o)));
 }
 
@@ -51,8 +51,7 @@ ExactResult meet_beyond_corner(const Triangle& a, const Triangle& b) {
   if (sure_side(p, q, r) * sure_side(p, q, s) > 0) return no();
   if (sure_side(r, s, p) * sure_side(r, s, q) > 0) return no();
   if (parted_but_for_corner(a, b)) return no();
-  // What they share is convex and contains the corner; going away from the corner, it ends on a far side of one of
-  // them.
+  // Their common part is convex and contains the corner; away from the corner, it ends on a far side of one of them.
   const ExactResult first = overlaps(Triangle{a.b, a.c, a.c}, b);
   if (first.decision != Decision::no) return first;
   return overlaps(a, Triangle{b.b, b.c, b.c});

@@ -20,8 +20,8 @@ ExactResult overlaps(const Capsule& a, const Capsule& b);
 ExactResult overlaps(const Capsule& a, const Triangle& b);
 ExactResult overlaps(const Triangle& a, const Triangle& b);
 
-/// The same, with an upper bound on contact(a, b).depth_m (may be infinite), so that most contacts need not be computed
-/// to find the deepest.
+/// Also sets an upper bound on contact(a, b).depth_m (may be infinite), so that most contacts need not be computed to
+/// find the deepest.
 ExactResult overlaps(const Sphere& a, const Triangle& b, double& depth_at_most_m);
 ExactResult overlaps(const Box& a, const Triangle& b, double& depth_at_most_m);
 

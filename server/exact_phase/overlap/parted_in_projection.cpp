@@ -18,7 +18,7 @@ struct Seen {
   int v;
 };
 
-/// Along the axis on which the normal is largest, so that a triangle with area keeps area in the projection.
+/// The projection along the axis on which the normal is largest, so that a triangle with area keeps area.
 Seen seen_widest(const Triangle& t) {
   const Triple n = cross(kernel::triple(t.b) - kernel::triple(t.a), kernel::triple(t.c) - kernel::triple(t.a));
   const int axis =
@@ -37,7 +37,7 @@ RoundedDifference difference(double a, double b) {
   return {value, (a - (value + part)) + (part - b) != 0};
 }
 
-/// Whether the rounding error of a product is a double: a factor is 0, or the product is far from both ends of the
+/// True if the rounding error of a product is a double: a factor is 0, or the product is far from both ends of the
 /// range.
 bool is_in_range(double product, double a, double b) {
   const double size = std::abs(product);
@@ -61,7 +61,7 @@ int rarely_sure_turn(const Vec3& o, const Vec3& p, const Vec3& q, int u, int v) 
   const RoundedDifference pv = difference(p[v], o[v]);
   const RoundedDifference qu = difference(q[u], o[u]);
   const RoundedDifference qv = difference(q[v], o[v]);
-  // Two zero factors make both products exactly zero, whatever the others are.
+  // Two zero factors make both products exactly zero, whatever the other factors are.
   if ((pu.value == 0 && qu.value == 0) || (pv.value == 0 && qv.value == 0)) return 0;
   if (pu.is_rounded || pv.is_rounded || qu.is_rounded || qv.is_rounded) return kTurnUnsure;
   return turn_of_products(pu.value, qv.value, pv.value, qu.value);
@@ -69,14 +69,14 @@ int rarely_sure_turn(const Vec3& o, const Vec3& p, const Vec3& q, int u, int v) 
 
 int opposite(int turn) { return turn == kTurnUnsure ? turn : -turn; }
 
-/// Whether p and q, on one line with o, lie on opposite sides of o.
+/// True if p and q, on one line with o, lie on opposite sides of o.
 bool points_away(const Vec3& o, const Vec3& p, const Vec3& q, Seen seen) {
   const int k = p[seen.u] != o[seen.u] ? seen.u : seen.v;
   return (p[k] > o[k] && q[k] < o[k]) || (p[k] < o[k] && q[k] > o[k]);
 }
 
-/// Whether the line o p separates a triangle on its side `inside` from the other triangle's far corners, whose sides of
-/// the line are `turns`. One of these may lie on the line if it is beyond o: then neither triangle shares more of the
+/// True if the line o p separates a triangle on its side `inside` from the other triangle's far corners, whose sides of
+/// the line are `turns`. One of these may lie on the line if it is beyond o: then the triangles share no more of the
 /// line than o.
 bool parts(int inside, const Vec3& o, const Vec3& p, std::array<int, 2> turns, std::array<const Vec3*, 2> far,
            Seen seen) {
@@ -89,7 +89,7 @@ bool parts(int inside, const Vec3& o, const Vec3& p, std::array<int, 2> turns, s
   return true;
 }
 
-/// Whether the line through one of t's sides has t on one side and the whole other triangle strictly on the other.
+/// True if the line through one of t's sides has t on one side and the whole other triangle strictly on the other.
 bool parted_by_a_side(const Triangle& t, const Triangle& other, Seen seen) {
   const std::array<const Vec3*, 3> corner{&t.a, &t.b, &t.c};
   const int inside = sure_turn(t.a, t.b, t.c, seen.u, seen.v);

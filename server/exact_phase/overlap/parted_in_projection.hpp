@@ -5,19 +5,19 @@
 namespace collided::engine {
 
 /// The side of the line o p on which q lies, in the plane of coordinates u and v: +1 left, -1 right, 0 on it, exact for
-/// the given doubles; kTurnUnsure where plain double cannot decide.
+/// the given doubles; kTurnUnsure if plain double cannot decide.
 ///
-/// promise  decides wherever the differences to o are doubles and no product leaves their range, even on the line:
-/// neighbours in a flat mesh
-/// cost     2 ns; 10 where the products differ by less than the error of a difference
+/// promise  decides if the differences to o are doubles and no product leaves their range, even on the line: neighbours
+///          in a flat mesh
+/// cost     2 ns; 10 if the products differ by less than the error of a difference
 /// threads  pure
 /// source   filter: Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", 1997
 int sure_turn(const Vec3& o, const Vec3& p, const Vec3& q, int u, int v);
 inline constexpr int kTurnUnsure = 2;
 
-/// Whether, seen along one axis, a line separates two triangles: they have nothing in common but what they share, which
-/// is the edge a.a = b.a to a.b = b.b, the corner a.a = b.a, or nothing. Finds all that are separate in one plane where
-/// sure_turn decides.
+/// True if, seen along one axis, a line separates two triangles except for their shared part: the edge a.a = b.a to a.b
+/// = b.b, the corner a.a = b.a, or nothing. Then they have nothing else in common. Finds all separate pairs in one
+/// plane for which sure_turn decides.
 ///
 /// returns  false: they may have more in common
 /// cost     10, 20 and 30 ns

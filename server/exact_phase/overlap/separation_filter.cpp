@@ -19,7 +19,7 @@ using Triples = std::array<Triple, 3>;
 /// Collects gaps (distance between projections minus the extents of the bodies), each with the error of its axis.
 class AxisGaps {
  public:
-  /// True: this axis surely separates.
+  /// True: this axis certainly separates.
   bool add(double gap, double error) {
     unsure_ = unsure_ || !(gap < -error);
     return gap > error;
@@ -30,10 +30,9 @@ class AxisGaps {
   bool unsure_ = false;
 };
 
-/// Neither over- nor underflow can matter: a gap's bound is at least 2^-50 of a product of three lengths.
 /// Products of four such lengths stay far from both ends of the range of double.
 constexpr double kLongest_m = 0x1p100;
-/// In this range overflow and underflow cannot matter: a gap's bound is at least 2^-50 of a product of three lengths.
+/// In this range overflow and underflow have no effect: a gap's bound is at least 2^-50 of a product of three lengths.
 bool in_range(double length) { return length >= 1 / kLongest_m && length <= kLongest_m; }
 
 }  // namespace
@@ -74,7 +73,7 @@ Decision quickly_overlaps(const Box& a, const Triangle& b) {
 
   const double edge_error = kSeparationError * frame.largest * side * reach;
   for (int j = 0; j < 3; ++j) {
-    // An edge projects to one number across itself, the opposite corner to another.
+    // An edge projects to one number perpendicular to itself, the opposite corner to another.
     const Triple moment_edge = cross(edge[j], corner[j]);
     const Triple moment_opposite = cross(edge[j], corner[(j + 2) % 3]);
     const double over[3] = {std::abs(dot(edge[j], frame.normal[0])), std::abs(dot(edge[j], frame.normal[1])),
@@ -117,23 +116,23 @@ double push_at_most(const Box& a, const Triangle& b, double& reach_m) {
 
 namespace {
 
-/// The sign where it is certain, else 0.
+/// The sign if it is certain, else 0.
 int sure_sign(double value, double error) { return value > error ? 1 : value < -error ? -1 : 0; }
 
-/// The sides of a facet's plane that three points are on.
+/// The sides of a facet's plane on which three points are.
 struct About {
   int side[3] = {0, 0, 0};
   double reach = 0;  // upper bound on the coordinates of all differences between the points and the facet's corners
 
   bool all_sure() const { return side[0] * side[1] * side[2] != 0; }
   bool one_sided() const { return side[0] == side[1] && side[1] == side[2] && side[0] != 0; }
-  /// The corner alone on its side, where all sides are certain and differ.
+  /// The corner alone on its side, if all sides are certain and differ.
   int lone() const { return side[0] == side[1] ? 2 : side[0] == side[2] ? 1 : 0; }
 };
 
-/// How much a triple product of differences of points changes where each point moves by a part of off_m in all, relative
-/// to off_m and the square of the largest coordinate: three factors change by 2 off_m each, and two others are at most
-/// sqrt(3) times their largest coordinate (18); the rest covers the products of changes.
+/// How much a triple product of differences of points changes if the points together move by off_m, relative to off_m
+/// and the square of the largest coordinate: three factors change by 2 off_m each, and two others are at most sqrt(3)
+/// times their largest coordinate (18); the rest covers the products of changes.
 constexpr double kMovedProduct = 24;
 constexpr double kLeastReachOverMove = 100;
 
@@ -165,7 +164,7 @@ Decision quickly_overlaps(const Triangle& a, const Triangle& b, double off_m) {
   if (t_about.one_sided()) return Decision::no;
   if (!s_about.all_sure() || !t_about.all_sure()) return Decision::undecided;
 
-  // Orient both so that the lone corner of each is above the other's plane: otherwise that plane is flipped.
+  // Orients both so that the lone corner of each is above the other's plane: else that plane is flipped.
   const int i = s_about.lone();
   const int j = t_about.lone();
   const bool turn_t = s_about.side[i] < 0;

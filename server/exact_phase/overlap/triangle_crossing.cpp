@@ -48,7 +48,7 @@ N turn_value(const Vec3& a, const Vec3& b, const Vec3& c, int axis) {
   return (N(b[i]) - N(a[i])) * (N(c[j]) - N(a[j])) - (N(b[j]) - N(a[j])) * (N(c[i]) - N(a[i]));
 }
 
-/// Finds the ends that one triangle's corners and edges make with the other's face; false: a sign is uncertain.
+/// Finds the ends of the crossing at one triangle's corners and edges and the other's face; false: a sign is uncertain.
 template <class N>
 class FaceSearch {
  public:
@@ -72,7 +72,7 @@ class FaceSearch {
   }
 
  private:
-  /// -1, 0 or +1 where all signs other than zero agree, else 2; 3: uncertain.
+  /// -1, 0 or +1 if all signs other than zero agree, else 2; 3: uncertain.
   static int common(const std::array<Sign, 3>& signs) {
     int all = 0;
     for (const Sign s : signs) {
