@@ -18,7 +18,7 @@ namespace {
 /// At zero, ExactBallInside.HoldsWhatRationalsSay fails.
 constexpr double kFaceError = 128 * kRoundoff;
 
-/// By plain double.
+/// Tests in plain double.
 bool quickly_holds_ball(const Triple* corner, double radius_m) {
   const double largest = std::max({corner[0].largest(), corner[1].largest(), corner[2].largest(), corner[3].largest()});
   for (int skipped = 0; skipped < 4; ++skipped) {
@@ -42,7 +42,7 @@ bool quickly_holds_ball(const Triple* corner, double radius_m) {
   return largest < kLargest && largest > 1 / kLargest;
 }
 
-/// A lower bound on the radius of the ball about the origin that the tetrahedron contains; 0: nothing is certain.
+/// A lower bound on the radius of the ball around the origin that the tetrahedron contains; 0: unknown.
 double ball_inside(const DifferencePoint* corner) {
   double least = std::numeric_limits<double>::infinity();
   for (int skipped = 0; skipped < 4; ++skipped) {

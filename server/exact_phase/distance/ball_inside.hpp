@@ -4,10 +4,10 @@
 
 namespace collided::engine::kernel {
 
-/// Whether the tetrahedron of the four points surely contains the ball of that radius about the origin. False proves
-/// nothing: it may contain the ball all the same. Tries plain double with one bound per face, then a running bound.
+/// True if the tetrahedron of the four points certainly contains the ball of that radius around the origin. False
+/// proves nothing. Tries plain double with one bound per face, then a running bound.
 ///
-/// cost  about 40 ns, 150 where the running bound is needed
+/// cost  about 40 ns, 150 if the running bound is needed
 bool surely_holds_ball(const DifferencePoint* corner, double radius_m);
 
 }  // namespace collided::engine::kernel

@@ -5,8 +5,8 @@
 
 namespace collided::engine {
 
-/// kernel::quickly_overlaps(a, b, off_m) and, where that says yes, contact(a, b), both to the last bit: the axes that
-/// decide the one are those that the other chooses from.
+/// kernel::quickly_overlaps(a, b, off_m) and, if that is yes, contact(a, b), both to the last bit: the axes that decide
+/// the overlap are also those from which the contact chooses.
 ///
 /// found  receives the contact
 /// cost   about a tenth less than both; no allocation

@@ -9,8 +9,8 @@
 #include "server/exact_phase/distance/box_middle.hpp"
 #include "server/geometry/tolerance.hpp"
 
-// Without fused operations and in the order of Eigen's sums, so that every instruction set gives the bits of the plain
-// form.
+// Without fused operations and in the order of Eigen's sums, so that every instruction set gives the same bits as the
+// plain form.
 HWY_BEFORE_NAMESPACE();
 namespace collided::engine::kernel::HWY_NAMESPACE {
 namespace {
@@ -22,7 +22,7 @@ using EdgeLanes = hn::Vec<EdgeDoubles>;
 constexpr EdgeDoubles kEdgeDoubles;
 constexpr int kEdgeStride = static_cast<int>(hn::MaxLanes(kEdgeDoubles));
 
-/// On which side of the middle the parallel edges lie, along the two other axes.
+/// The sides of the middle on which the parallel edges lie, along the two other axes.
 HWY_ALIGN constexpr double kFirstSide[kEdges] = {-1, 1, -1, 1};
 HWY_ALIGN constexpr double kSecondSide[kEdges] = {-1, -1, 1, 1};
 
@@ -37,7 +37,7 @@ HWY_INLINE EdgeLanes dot(const EdgeLanes (&a)[3], const EdgeLanes (&b)[3]) {
   return hn::Add(hn::Add(hn::Mul(a[0], b[0]), hn::Mul(a[1], b[1])), hn::Mul(a[2], b[2]));
 }
 
-/// Divides the vector in each lane by its length. False: its squares may leave the range of double, or it is zero.
+/// Divides the vector in each lane by its length. False if its squares may leave the range of double, or it is zero.
 HWY_INLINE bool make_units(EdgeLanes (&v)[3]) {
   constexpr double kFarFromOne = 0x1p200;
   const EdgeLanes zero = hn::Zero(kEdgeDoubles);
@@ -57,8 +57,8 @@ HWY_INLINE bool make_units(EdgeLanes (&v)[3]) {
 
 /// The slabs that bound a box, grown by the slack of clipping; false as in make_units().
 HWY_INLINE bool set_slabs(const Core& box, double size_m, BoxSlabs& slabs) {
-  double axis[3][kEdges];      // coordinate, axis and round again
-  double unit[3][kEdges + 2];  // likewise
+  double axis[3][kEdges];      // coordinate, axis with repetition
+  double unit[3][kEdges + 2];  // same
   double half_m[kEdges];
   for (int i = 0; i < kEdges; ++i) {
     for (int c = 0; c < 3; ++c) axis[c][i] = box.axes(c, i % 3);
@@ -105,7 +105,7 @@ struct EdgesOfFour {
   EdgeLanes b[3];
 };
 
-/// The share of each segment, from its a to its b, that lies within some slabs.
+/// The part of each segment, as fractions from a to b, inside some slabs.
 struct EdgeShares {
   EdgeLanes low;
   EdgeLanes high;
@@ -118,7 +118,7 @@ HWY_INLINE void clip(EdgeShares& shares, EdgeLanes at_a, EdgeLanes at_b) {
   const auto a_beyond = hn::Gt(at_a, zero);
   const auto b_beyond = hn::Gt(at_b, zero);
   shares.outside = hn::Or(shares.outside, hn::And(a_beyond, b_beyond));
-  // Where both ends are beyond, the lane is outside whatever comes out.
+  // If both ends are beyond, the lane is outside regardless of the result.
   const EdgeLanes at = hn::Div(at_a, hn::IfThenElse(hn::Xor(a_beyond, b_beyond), hn::Sub(at_a, at_b), one));
   shares.low = hn::IfThenElse(a_beyond, hn::Max(shares.low, at), shares.low);
   shares.high = hn::IfThenElse(hn::AndNot(a_beyond, b_beyond), hn::Min(shares.high, at), shares.high);

@@ -7,7 +7,7 @@
 
 namespace collided::engine::kernel {
 
-/// A product of Bounded, to the last bit, where it is called so often that it must not be a call.
+/// A product of Bounded, to the last bit, inlined because it is called very often.
 [[gnu::always_inline]] inline Bounded product(const Bounded& x, const Bounded& y) {
   const double value = x.value * y.value;
   const double error = (std::abs(x.value) * y.error + std::abs(y.value) * x.error) + x.error * y.error;
@@ -20,7 +20,7 @@ namespace collided::engine::kernel {
 
 /// direction() of an axis of two boxes, to the last bit: their edges begin at zero.
 inline Vector<Bounded> direction_of_boxes(const FacetAxis& axis) {
-  // An edge less zero is the edge, with the bound that a difference has.
+  // An edge minus zero is the edge, with the bound of a difference.
   const auto edge = [](double to) { return Bounded(to, kRoundoff * std::abs(to)); };
   const Bounded u[3] = {edge(axis.u.to[0]), edge(axis.u.to[1]), edge(axis.u.to[2])};
   const Bounded v[3] = {edge(axis.v.to[0]), edge(axis.v.to[1]), edge(axis.v.to[2])};

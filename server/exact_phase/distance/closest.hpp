@@ -9,7 +9,7 @@ struct Closest {
   double distance_m = 0;
   double distance_error_m = 0;
   Vec3 point = Vec3::Zero();   // on the set, |true point - point| <= point_error_m
-  Vec3 normal = Vec3::Zero();  // unit, from the set towards the given point; of the nearest face if that is inside
+  Vec3 normal = Vec3::Zero();  // unit, from the set to the given point; for a point inside: of the nearest face
   double point_error_m = 0;
 };
 

@@ -29,7 +29,7 @@ bool holds(const Shape& shape, const Vec3& point) {
   return Climb::climb([&]<class N>() { return sets_meet<N>(Sphere{point, 0}, shape); }).yes();
 }
 
-/// closest() with a ladder of one's choice: WholeLadder for answers, RationalsAlone for audits.
+/// closest() with a given ladder: WholeLadder for answers, RationalsAlone for audits.
 template <class Climb>
 Closest closest_by(const Vec3& point, const Sphere& sphere) {
   const NearestValue nearest = nearest_by<Climb>(point, 0, sphere);

@@ -90,7 +90,7 @@ Push push_out(const FacetAxis& axis, const Core& a, const Core& b) {
   return backward.value < forward.value ? Push{backward, -normal, true} : Push{forward, normal, true};
 }
 
-/// With the error really made, which is none on small integers; exactly where that is still too wide.
+/// Computed with actual errors, which are zero for small integers, or exactly if that is still too wide.
 Push push_out_sharply(const FacetAxis& axis, const Core& a, const Core& b) {
   const Push traced = push_out<Traced>(axis, a, b);
   return traced.exists && sharp(traced.depth, kRefineRay) ? traced : push_out<Dyadic>(axis, a, b);
@@ -99,7 +99,7 @@ Push push_out_sharply(const FacetAxis& axis, const Core& a, const Core& b) {
 /// The pushes along the facet axes of a pair that may be the least.
 class PushList {
  public:
-  /// may_be_least: axes_of_least_push(), where that is known.
+  /// may_be_least: result of axes_of_least_push(), if known.
   PushList(const Core& a, const Core& b, std::optional<std::uint32_t> may_be_least)
       : a_(a), b_(b), are_boxes_(a.is_box && b.is_box) {
     if (!are_boxes_) axes_ = facet_axes(a, b);
@@ -113,7 +113,7 @@ class PushList {
     return least;
   }
 
-  /// Works out anew those that may be the least and are not known to within `blunt`.
+  /// Recomputes the pushes that may be the least and are not known to within `blunt`.
   void sharpen(double blunt) {
     const double least = least_high();
     for_each([&](int i) {
@@ -121,8 +121,8 @@ class PushList {
     });
   }
 
-  /// The smallest push, its depth widened over all that may be smaller. Depths within `blunt` of each other keep the
-  /// earlier axis: faces before edge pairs, in a fixed order.
+  /// The smallest push, its depth widened over all pushes that may be smaller. Depths within `blunt` of each other keep
+  /// the earlier axis: faces before edge pairs, in a fixed order.
   Push least(double blunt) const {
     const double high = least_high();
     Push winner{.depth = {}, .normal = Vec3::Zero()};
@@ -147,27 +147,27 @@ class PushList {
   const Core& a_;
   const Core& b_;
   bool are_boxes_;
-  FacetAxes axes_;  // of two boxes they are worked out one by one, since mostly one is needed
+  FacetAxes axes_;  // for two boxes computed one by one, since mostly one is needed
   std::uint32_t left_ = 0;
-  std::array<Push, 15> push_;  // those left
+  std::array<Push, 15> push_;  // the remaining ones
 };
 
-/// The smallest push that separates two cores with a common point: the nearest facet of the Minkowski difference. No
-/// push exists, and the depth is zero, where the difference is flat and all facet axes vanish.
+/// The smallest push that separates two cores with a common point: the nearest facet of the Minkowski difference. If
+/// the difference is flat and all facet axes vanish, there is no push, and the depth is zero.
 Push least_push(const Core& a, const Core& b, std::optional<std::uint32_t> may_be_least) {
   PushList list(a, b, may_be_least);
   const double blunt = kRefineDistance * size_of(a, b);
   list.sharpen(blunt);
   const Push least = list.least(blunt);
   if (!least.exists || sharp(least.depth, kRefineRay)) return least;
-  // Barely touching: recover the digits that cancelled, so that a touch is exactly zero.
+  // Barely touching: recovers the cancelled digits, so that a touch is exactly zero.
   list.sharpen(-1);
   return list.least(0);
 }
 
 Vec3 edge_normal(const Core& core) { return any_normal(Vec3(core.point[1] - core.point[0])); }
 
-/// Some normal where no facet gives one.
+/// A normal if no facet gives one.
 Vec3 normal_without_facets(const Core& a, const Core& b) {
   if (a.point_count == 3) return any_normal(Triangle{a.point[0], a.point[1], a.point[2]});
   if (b.point_count == 3) return any_normal(Triangle{b.point[0], b.point[1], b.point[2]});
@@ -175,7 +175,7 @@ Vec3 normal_without_facets(const Core& a, const Core& b) {
   return b.point_count == 2 ? edge_normal(b) : Vec3(Vec3::UnitX());
 }
 
-/// Cores that share a point: the push out of each other plus both radii. may_be_least as in PushList.
+/// For cores that share a point: the push out of each other plus both radii. may_be_least as in PushList.
 Contact contact_of_meeting_cores(const Core& a, const Core& b, std::optional<std::uint32_t> may_be_least) {
   Push push = least_push(a, b, may_be_least);
   if (!push.exists) push = {Bounded(), normal_without_facets(a, b), true};
@@ -183,8 +183,8 @@ Contact contact_of_meeting_cores(const Core& a, const Core& b, std::optional<std
   return make_contact(middle_of_both(a, b, push.normal), push.normal, depth);
 }
 
-/// The depth is at most the push along any separating direction: use the one between the witnesses, or, if they are so
-/// close that rounding made their direction, the best facet axis.
+/// The depth is at most the push along any separating direction: uses the direction between the witnesses, or, if they
+/// are so close that rounding determines it, the best facet axis.
 Push best_known_push(const Core& a, const Core& b, const WitnessPair& pair, double low_m) {
   Push best{Bounded(0, std::numeric_limits<double>::infinity()), normal_without_facets(a, b), true};
   const Vec3 across = unit(Vec3(pair.on_b - pair.on_a));
@@ -204,8 +204,8 @@ Push best_known_push(const Core& a, const Core& b, const WitnessPair& pair, doub
   return best;
 }
 
-/// Cores apart, rounded surfaces overlapping. Two witnesses bound the distance from above, a plane between them from
-/// below; both bounds hold however good the witnesses are.
+/// For cores apart with overlapping rounded surfaces. Two witnesses bound the distance from above, a plane between them
+/// from below; both bounds hold however good the witnesses are.
 Contact contact_of_apart_cores(const Core& a, const Core& b) {
   const WitnessPair pair = nearest_witnesses(a, b);
   const double apart_m = (pair.on_b - pair.on_a).stableNorm();
@@ -221,7 +221,7 @@ Contact contact_of_apart_cores(const Core& a, const Core& b) {
 }
 
 /// Solves at a size near 1 and scales back, because squares of tiny and huge coordinates leave the range of double. A
-/// power of two changes no digits, except of coordinates that vanish beside the extent.
+/// power of two changes no digits, except of coordinates that vanish relative to the extent.
 template <class Solve>
 Contact at_unit_size(const Core& a, const Core& b, const Solve& solve) {
   const double largest = std::max(extent(a) + a.radius_m, extent(b) + b.radius_m);
@@ -249,8 +249,8 @@ Contact contact_of_cores(const Core& a, const Core& b, bool cores_meet) {
 
 namespace {
 
-/// nearest_value() of two spheres without the bounds of foot and direction, which a contact has no use for: the foot is
-/// the centre, so the quotients that lead to it are left out.
+/// nearest_value() of two spheres without the bounds of foot and direction, which a contact does not need: the foot is
+/// the centre, so the quotients for it are left out.
 template <class N>
 NearestValue nearest_of_balls(const Sphere& a, const Sphere& b) {
   const Vector<N> center(b.center);
@@ -258,7 +258,7 @@ NearestValue nearest_of_balls(const Sphere& a, const Sphere& b) {
   NearestValue value;
   value.gap = gap(nearest, N(b.radius_m) + N(a.radius_m));
   value.away = unit(nearest.away);
-  value.foot = b.center + Vec3::Zero();  // no zero of the foot is negative
+  value.foot = b.center + Vec3::Zero();  // turns negative zeros of the foot into positive ones
   value.known = true;
   value.crisp = sharp(value.gap, kRefineDistance) && sharp_direction(nearest.away);
   return value;
@@ -293,7 +293,7 @@ Decision quick_contact(const Box& a, const Box& b, double off_m, Contact& found)
   const Core core_a(a);
   const Core core_b(b);
   found = at_unit_size(core_a, core_b, [&](const Core& own_a, const Core& own_b) {
-    // Of scaled copies the axes are sought anew.
+    // Scaled copies need a new search of the axes.
     const bool is_known = &own_a == &core_a;
     return contact_of_meeting_cores(own_a, own_b, is_known ? std::optional(overlap.least_pushes) : std::nullopt);
   });

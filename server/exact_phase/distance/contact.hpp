@@ -13,7 +13,7 @@ struct Contact {
   double depth_error_m = 0;
 };
 
-/// The contact of two sets that overlap; call it only after `overlaps` said yes.
+/// The contact of two sets that overlap; call it only if `overlaps` returned yes.
 Contact contact(const Sphere& a, const Sphere& b);
 Contact contact(const Sphere& a, const Box& b);
 Contact contact(const Sphere& a, const Capsule& b);
@@ -25,7 +25,7 @@ Contact contact(const Capsule& a, const Capsule& b);
 Contact contact(const Capsule& a, const Triangle& b);
 Contact contact(const Triangle& a, const Triangle& b);
 
-/// The same for the kinds that the two hold; where the list has only the other order, that contact is flipped.
+/// Contact of primitives of any kinds; if the list above has only the other order, the contact is flipped.
 Contact contact(const Primitive& a, const Primitive& b);
 Contact contact(const Primitive& a, const Triangle& b);
 

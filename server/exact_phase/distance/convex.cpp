@@ -10,16 +10,16 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// About the farthest point of the disc of radius 1 perpendicular to the axis. Made perpendicular twice, because the
-/// first time cancels digits where n runs almost along the axis; there the disc's centre is as good.
+/// Approximate farthest point of the disc of radius 1 perpendicular to the axis. Made perpendicular twice, because the
+/// first time cancels digits if n runs almost along the axis; then the disc's centre is as good.
 Vec3 disc_support(const Vec3& n, const Vec3& d) {
   Vec3 across = n - n.dot(d) * d;
   const double length2 = across.squaredNorm();
   const double whole2 = n.squaredNorm();
   if (!(length2 > kDiscSeenFlat * kDiscSeenFlat * whole2)) return Vec3::Zero();
   across /= std::sqrt(length2);
-  // At 30 degrees to the axis and more the first time is off by 5 u of |n|, 10 u of what is perpendicular, and 4 u for
-  // the unit vector: within what kSupportError allows.
+  // At 30 degrees to the axis and more the first time is off by 5 u of |n|, 10 u of the perpendicular part, and 4 u for
+  // the unit vector: within kSupportError.
   if (length2 > 0.25 * whole2) return across;
   across -= across.dot(d) * d;
   return across / across.norm();
@@ -41,7 +41,7 @@ bool is_plain_box(const Convex& set) {
 }
 
 /// reach_along() of a box, whose axes and halves are exact, in Bounded: the same operations in the same order without
-/// those that an exact factor makes idle, which changes no bit of what is finite. n: of either side.
+/// those that have no effect for an exact factor, which changes no bit of a finite result. n: for either side.
 Bounded reach_of_box(const Convex& box, const Vec3& n, const Vec3& origin) {
   const auto product = [](double a, double b) {
     const double value = a * b;

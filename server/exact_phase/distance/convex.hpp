@@ -8,17 +8,16 @@
 namespace collided::engine::kernel {
 
 /// The common form of all convex shapes: the hull of a few points (carriers), of which those from first_disc on carry a
-/// disc, plus a box or an ellipsoid, plus a ball. For solvers that know a set only by how far it reaches along a
-/// direction.
+/// disc, plus a box or an ellipsoid, plus a ball. For solvers that use only a set's reach along a direction.
 struct Convex {
   Vec3 carrier[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   int carrier_count = 1;
-  const Hull* hull = nullptr;  // then its placed vertices are the carriers, the first of them in carrier[0]; not owned
+  const Hull* hull = nullptr;  // not owned; its placed vertices are the carriers, the first in carrier[0]
   enum class Plus { nothing, box, ellipsoid } plus = Plus::nothing;
   Mat3 axes = Mat3::Zero();
   Vec3 half_m = Vec3::Zero();
   double ball_m = 0;
-  double disc_m = 0;  // radius of the disc about carriers from first_disc on, perpendicular to disc_axis
+  double disc_m = 0;  // radius of the discs around carriers from first_disc on, perpendicular to disc_axis
   int first_disc = 0;
   EdgeDirection disc_axis;
   Vec3 disc_unit = Vec3::UnitZ();  // the axis as a unit vector, rounded
@@ -43,15 +42,15 @@ struct Convex {
   /// Flat facets and a ball: any two such sets are decided exactly.
   bool is_polytope() const { return plus != Plus::ellipsoid && disc_m == 0; }
 
-  /// About the farthest point along n, without the ball, relative to carrier[0].
+  /// Approximate farthest point along n, without the ball, relative to carrier[0].
   Vec3 support(const Vec3& n) const;
 
  private:
   int hull_count = 0;
-  Vec3 hull_middle_ = Vec3::Zero();  // from carrier[0]
+  Vec3 hull_middle_ = Vec3::Zero();  // relative to carrier[0]
 };
 
-/// How far a part of a set reaches along a direction, as rational + sqrt(numerator / denominator).
+/// The reach of a part of a set along a direction, as rational + sqrt(numerator / denominator).
 template <class N>
 struct ReachPart {
   N rational;
@@ -59,7 +58,7 @@ struct ReachPart {
   N denominator;
 };
 
-/// How far a set reaches along n from `origin`, times |n|: the larger of its parts (cones have two).
+/// The reach of a set along n from `origin`, times |n|: the larger of its parts (cones have two).
 template <class N>
 struct ReachAlong {
   ReachPart<N> part[2];
@@ -108,7 +107,7 @@ template <class N>
 Decision root_sum_negative(const N& p, const ReachPart<N>& q, const ReachPart<N>& r) {
   const Decision below = less(p, N(0.0));
   if (below != Decision::yes) return below;
-  // Squares both sides of sqrt(q) + sqrt(r) < -p, and squares again what is left of the roots.
+  // Squares both sides of sqrt(q) + sqrt(r) < -p, and then squares the remaining root terms.
   const N rest = (p * p * q.denominator * r.denominator - q.numerator * r.denominator) - r.numerator * q.denominator;
   const Decision room = is_positive(rest);
   if (room != Decision::yes) return room;
@@ -116,7 +115,7 @@ Decision root_sum_negative(const N& p, const ReachPart<N>& q, const ReachPart<N>
   return less(N(4.0) * product, rest * rest);
 }
 
-/// Whether two sets that reach this far towards each other along a line, from one origin, share no point of it.
+/// True if two sets with these reaches towards each other along a line, from one origin, share no point of it.
 template <class N>
 Decision parted(const ReachAlong<N>& reach_a, const ReachAlong<N>& reach_b) {
   AllOf all;
@@ -129,7 +128,7 @@ Decision parted(const ReachAlong<N>& reach_a, const ReachAlong<N>& reach_b) {
   return all.result();
 }
 
-/// Whether some plane perpendicular to n has the two sets strictly on opposite sides, b ahead.
+/// True if some plane perpendicular to n has the two sets strictly on opposite sides, b ahead.
 template <class N>
 Decision parted_along(const Vector<N>& n, const Convex& a, const Convex& b) {
   const Vec3& origin = b.carrier[0];
@@ -140,7 +139,7 @@ Decision parted_along(const Vec3& n, const Convex& a, const Convex& b) {
   return parted_along<N>(Vector<N>(n), a, b);
 }
 
-/// How far the set reaches along n (side +1) or against it (-1) from the origin, times |n|.
+/// The reach of the set along n (side +1) or against it (-1) from the origin, times |n|.
 Bounded reach_value(const Convex& set, const Vec3& n, int side, const Vec3& origin);
 
 /// How far b must move along n, of any length, until the sets only touch, in metres; negative: they are separate.

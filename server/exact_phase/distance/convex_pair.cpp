@@ -27,7 +27,7 @@ double support_error_m(const ConvexPair& pair) { return kSupportError * reach_of
 
 double balls_m(const ConvexPair& pair) { return pair.a.ball_m + pair.b.ball_m; }
 
-/// What the proposal alone proves.
+/// The decision that the proposal alone proves.
 Decision quick_decision(const ConvexPair& pair, const Proposal& proposal) {
   if (proposal.parted) return Decision::no;
   const double error_m = support_error_m(pair);
@@ -38,10 +38,10 @@ Decision quick_decision(const ConvexPair& pair, const Proposal& proposal) {
   return push_along(Vec3(-proposal.nearest), pair.a, pair.b).high() < 0 ? Decision::no : Decision::undecided;
 }
 
-/// The point rounded to multiples of `step`: where everyday scenes touch, coordinates have few digits.
+/// The point rounded to multiples of `step`: everyday scenes touch at coordinates of few digits.
 Vec3 rounded_off(const Vec3& point, double step) { return ((point / step).array().round() * step).matrix(); }
 
-/// For touching sets that no algebra here decides: rounded points that may lie in both.
+/// For touching sets that algebra does not decide: tests rounded points that may lie in both.
 Decision holds_rounded_point(const ConvexPair& pair, const Witnesses& witnesses) {
   for (const Vec3& point : witnesses.point) {
     constexpr double kEverydaySteps_m[] = {0x1p-24, 1e-9, 1e-6, 0x1p-16, 1e-4, 0x1p-10, 1e-3};

@@ -105,12 +105,12 @@ Slabs slabs_of(const Core& core, double size_m) {
   return slabs;
 }
 
-/// How far an edge's ends are beyond each plane of some slabs, and which are (Cohen and Sutherland's outcodes): most
-/// edges are known to be outside or inside by these alone, without a branch for each plane.
+/// How far an edge's ends are beyond each plane of some slabs, and which are (Cohen and Sutherland's outcodes): these
+/// alone show that most edges are outside or inside, without a branch for each plane.
 struct EdgeSides {
   double at_a[8];
   double at_b[8];
-  unsigned a_beyond = 0;  // a bit for each plane
+  unsigned a_beyond = 0;  // one bit per plane
   unsigned b_beyond = 0;
 
   EdgeSides(const Edge& edge, const Slabs& slabs) {
@@ -132,7 +132,7 @@ struct EdgeSides {
   }
 };
 
-/// The middle of the part of an edge that lies in all slabs; false: there is none.
+/// The middle of the part of an edge that lies in all slabs; false if there is none.
 bool clipped_middle(const Edge& edge, const Slabs& slabs, Vec3& middle) {
   const EdgeSides sides(edge, slabs);
   if ((sides.a_beyond & sides.b_beyond) != 0) return false;

@@ -5,15 +5,15 @@
 
 namespace collided::engine::kernel {
 
-/// What is left of a shape without its radius: the hull of up to three points, or a box.
+/// A shape without its radius: the hull of up to three points, or a box.
 struct Core {
   Vec3 point[3] = {Vec3::Zero(), Vec3::Zero(), Vec3::Zero()};
   int point_count = 1;
   bool is_box = false;
   Mat3 axes = Mat3::Zero();
   Vec3 half_m = Vec3::Zero();
-  double span_m = 0;  // of a box: the absolute coordinates of its half axes, summed up
-  // Of the ball around every point.
+  double span_m = 0;  // for a box: sum of the absolute coordinates of its half axes
+  // of the ball around every point
   double radius_m = 0;
 
   explicit Core(const Sphere& s) : point{s.center}, radius_m(s.radius_m) {}
@@ -21,7 +21,7 @@ struct Core {
   explicit Core(const Capsule& c) : point{c.a, c.b}, point_count(2), radius_m(c.radius_m) {}
   explicit Core(const Triangle& t) : point{t.a, t.b, t.c}, point_count(3) {}
 
-  /// Sets span_m, after axes or half_m changed.
+  /// Sets span_m; call it after axes or half_m changed.
   void measure() { span_m = (axes * half_m.asDiagonal()).cwiseAbs().sum(); }
 };
 
@@ -31,7 +31,7 @@ double extent(const Core& core);
 /// Multiplies every length by 2^power.
 void scale(Core& core, int power);
 
-/// The direction of an edge, to - from, kept as two points so that exact arithmetic can form the difference.
+/// The direction of an edge, to - from, stored as two points so that exact arithmetic can form the difference.
 struct EdgeDirection {
   Vec3 to;
   Vec3 from;
@@ -53,8 +53,8 @@ FacetAxes facet_axes(const Core& a, const Core& b);
 /// facet_axes(a, b).axis[number] of two boxes.
 FacetAxis facet_axis_of_boxes(const Core& a, const Core& b, int number);
 
-/// Products with exact numbers. In Bounded the operations that such a factor makes idle are left out, which changes no
-/// bit of what is finite.
+/// Products with exact numbers. In Bounded, operations without effect for such a factor are left out, which changes no
+/// bit of a finite result.
 template <class N>
 N times(const N& x, double exact) {
   return N(exact) * x;
@@ -69,7 +69,7 @@ N along(const Vector<N>& n, const Vec3& exact) {
   return (times(n.x, exact[0]) + times(n.y, exact[1])) + times(n.z, exact[2]);
 }
 
-/// The facet's normal, of any length; zero where the edges are parallel.
+/// The facet's normal, of any length; zero if the edges are parallel.
 template <class N>
 Vector<N> direction(const FacetAxis& axis) {
   return cross(Vector<N>(axis.u.to) - Vector<N>(axis.u.from), Vector<N>(axis.v.to) - Vector<N>(axis.v.from));
@@ -83,7 +83,7 @@ struct Pushes {
   N backward;
 };
 
-/// The same with the facet's normal n and its square.
+/// Same, with the facet's normal n and its square.
 template <class N>
 struct FacetPush {
   Vector<N> n;
@@ -113,7 +113,7 @@ Pushes<N> pushes_along(const Vector<N>& n, const Core& a, const Core& b) {
 /// contact is drawn and its force applied; no decision depends on it.
 Vec3 middle_of_both(const Core& a, const Core& b, const Vec3& normal);
 
-/// Points of two cores at about the least distance, each on its core but for a few roundings of its extent. b must be a
+/// Points of two cores at about the least distance, each on its core up to a few roundings of its extent. b must be a
 /// point or a segment.
 struct WitnessPair {
   Vec3 on_a = Vec3::Zero();

@@ -18,7 +18,7 @@ constexpr int kMostFaces = 2 * kMostCorners;
 struct Face {
   int corner[3];
   Vec3 normal;      // unit, outward
-  double offset_m;  // of its plane from the origin
+  double offset_m;  // distance of its plane from the origin
 };
 
 /// A polytope of difference points that is star-shaped about an inner point, so a support point beyond a face lies
@@ -34,7 +34,7 @@ class Polytope {
 
   int nearest_face() const;
   const Face& face(int i) const { return faces_[static_cast<std::size_t>(i)]; }
-  /// Moves the border out to the support along a face's normal; false: the face is on the set's border already, or
+  /// Moves the border out to the support along a face's normal; false if the face is on the set's border already, or
   /// there is no room.
   bool grow(int face, double tolerance_m);
   /// The radius of a ball about the origin inside the hull of the corners, whatever rounding did to the faces: a closed
@@ -100,7 +100,7 @@ bool Polytope::begin(const Proposal& start) {
     const Vec3 edge = at(1).w - at(0).w;
     return edge.cross(p.w - at(0).w).norm() > apart_m * edge.norm();
   };
-  // Takes the proposal's corners as far as each leaves the span of those before it.
+  // Takes the proposal's corners as long as each leaves the span of those before it.
   add_corner(start.corner[0]);
   for (int i = 1; i < start.count; ++i) {
     if (corner_count_ == 1 ? off_point(start.corner[i]) : corner_count_ == 2 && off_line(start.corner[i])) {
@@ -198,7 +198,7 @@ double face_distance(const Vec3& a, const Vec3& b, const Vec3& c) {
   return std::max(by_plane, (from + at * edge).norm() - height - 64 * kRoundoff * size);
 }
 
-/// Twice the sign of d . (p x q), or 1 where it is uncertain.
+/// Twice the sign of d . (p x q), or 1 if it is uncertain.
 int side_of(const Vec3& d, const Vec3& p, const Vec3& q) {
   const Bounded volume = dot(Vector<Bounded>(d), cross(Vector<Bounded>(p), Vector<Bounded>(q)));
   const Sign s = sign(volume);

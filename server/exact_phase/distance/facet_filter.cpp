@@ -12,7 +12,7 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// A core's differences from another, and its extents, in plain double.
+/// Differences between two cores, and the extents of both, in plain double.
 struct Spread {
   std::array<Triple, 9> between;  // points of a from points of b
   int between_count = 0;
@@ -38,7 +38,7 @@ struct Spread {
     }
   }
 
-  /// Times |n|, as pushes_along() has it: the lesser of both ways.
+  /// Times |n|, as in pushes_along(): the lesser of both directions.
   double push_along(const Triple& n) const {
     double largest = dot(n, between[0]);
     double smallest = largest;
@@ -67,7 +67,7 @@ class Depths {
     const double inverse = 1 / std::sqrt(square);
     const double depth = push * inverse;
     const double off = error * inverse;
-    // Parallel edges have no normal to speak of, and out of range no bound holds: such an axis stays.
+    // Parallel edges have no reliable normal, and out of range no bound holds: such an axis stays.
     const bool is_known = in_plain_range(square) && std::isfinite(depth) && std::isfinite(off);
     low_[number] = is_known ? depth - off : -std::numeric_limits<double>::infinity();
     if (is_known) least_high_ = std::min(least_high_, depth + off);
@@ -75,7 +75,7 @@ class Depths {
   std::uint32_t may_be_least(int count) const {
     std::uint32_t may_be = 0;
     for (int i = 0; i < count; ++i) {
-      // Apart from the shift: g++ 12 with -fsanitize=undefined takes another i for the element than for the shift.
+      // Index apart from the shift: g++ 12 with -fsanitize=undefined uses another i for the element than for the shift.
       const std::uint32_t may_be_this = low_[i] <= least_high_ ? 1 : 0;
       may_be |= may_be_this << i;
     }

@@ -22,19 +22,19 @@ using ShapeView = std::variant<const Sphere*, const Box*, const Capsule*, const 
 namespace kernel {
 struct Convex;
 }
-/// The shape as a convex set; of a hull it keeps a pointer.
+/// The shape as a convex set, which keeps a pointer to a hull.
 kernel::Convex convex(const ShapeView& view);
 
 /// Shapes that a ShapeView can point to.
 template <class Shape>
 concept Viewable = std::constructible_from<ShapeView, const Shape*>;
 
-/// The same as overlaps, contact and closest, for the shapes that the views point to.
+/// overlaps, contact and closest for the shapes that the views point to.
 ExactResult overlaps_in_general(const ShapeView& a, const ShapeView& b);
 Contact contact_in_general(const ShapeView& a, const ShapeView& b);
 Closest closest_in_general(const Vec3& point, const ShapeView& shape);
 
-/// The same decision without filters: planes and points are tested by rationals alone.
+/// Decides without filters: planes and points are tested by rationals alone.
 Decision overlaps_by_rationals(const ShapeView& a, const ShapeView& b);
 
 template <class A, class B>

@@ -69,7 +69,7 @@ Contact contact_half_space(const HalfSpace& a, const ShapeView& b) {
 }
 
 Contact contact(const HalfSpace& a, const HalfSpace&) {
-  // Two half-spaces that overlap overlap without end, so no finite push separates them.
+  // Two overlapping half-spaces overlap without bound, so no finite push separates them.
   return {a.point, unit(a.normal), 0, std::numeric_limits<double>::infinity()};
 }
 

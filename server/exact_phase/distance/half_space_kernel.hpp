@@ -50,7 +50,7 @@ Bounded distance_to_plane(const Ray& ray, const HalfSpace& h) {
   });
 }
 
-/// As cast_ray: a hit where the ray enters or starts inside; it leaves, or exit_m is infinite.
+/// Same as cast_ray: a hit where the ray enters or starts inside; it leaves, or exit_m is infinite.
 template <class Climb>
 ExactResult cast_half_space(const Ray& ray, const HalfSpace& h, RayHit& hit) {
   const auto slope_is = [&](int side) {

@@ -18,7 +18,7 @@ struct Weights {
   double c;
 };
 
-/// 0 for an empty whole, as on an edge of length 0, where any weight gives a point of the triangle.
+/// 0 for an empty whole, as on an edge of length 0, for which any weight gives a point of the triangle.
 double share(double part, double whole) { return whole > 0 ? part / whole : 0; }
 
 Weights nearest_weights(const Triple& a, const Triple& b, const Triple& c, const Triple& ab, const Triple& ac) {

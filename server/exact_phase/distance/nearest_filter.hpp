@@ -14,17 +14,17 @@ struct SquareBracket {
   double high2_m2;
 };
 
-/// In plain double. The bounds hold whatever the search is worth: a point of the triangle bounds the distance from
-/// above, a plane in front of all three corners from below. Where neither is certain (coordinates out of range,
+/// Computed in plain double. The bounds hold however good the search is: a point of the triangle bounds the distance
+/// from above, a plane in front of all three corners from below. If neither is certain (coordinates out of range,
 /// slivers): 0 and infinity.
 ///
-/// error   high2 - low2 is about 2^-46 of the squared distance to the farthest corner, if the triangle is no sliver
+/// error   high2 - low2 is about 2^-46 of the squared distance to the farthest corner, unless the triangle is a sliver
 /// cost    about 20 ns; no allocation
 /// source  nearest point: Ericson, "Real-Time Collision Detection", 2005, 5.1.5; plane: Gilbert, Johnson, Keerthi, "A
-/// Fast Procedure for Computing the Distance Between Complex Objects", 1988, theorem 1
+///         Fast Procedure for Computing the Distance Between Complex Objects", 1988, theorem 1
 SquareBracket quick_square_distance(const Vec3& point, const Triangle& triangle);
 
-/// About the triangle's nearest point to the given one: good to choose a direction, and for no bound.
+/// The triangle's approximate nearest point to the given one: for choosing a direction, not for bounds.
 Vec3 quick_nearest_point(const Vec3& point, const Triangle& triangle);
 
 /// The least squared distance to a corner, with relative error 8 u; infinity if a corner is not finite or squares leave

@@ -5,8 +5,8 @@
 
 namespace collided::engine::kernel {
 
-// The nearest point of each set to a point, refined. The gap may be negative for a sphere or capsule (minus the depth
-// of the point). For a box the point must be outside.
+// The refined nearest point of each set to a point. The gap may be negative for a sphere or capsule (minus the depth of
+// the point). For a box the point must be outside.
 
 NearestValue nearest_value(const Vec3& point, const Sphere& sphere);
 NearestValue nearest_value(const Vec3& point, const Box& box);
@@ -18,7 +18,7 @@ Vec3 any_normal(const Vec3& along);
 /// The triangle's unit normal; for a triangle without area, perpendicular to its longest edge.
 Vec3 any_normal(const Triangle& triangle);
 
-/// The set grown by a further radius; the sum with its own is not rounded.
+/// Nearest point of the set grown by a further radius; the sum with its own is not rounded.
 NearestValue nearest_value(const Vec3& point, double radius_m, const Sphere& sphere);
 NearestValue nearest_value(const Vec3& point, double radius_m, const Box& box);
 NearestValue nearest_value(const Vec3& point, double radius_m, const Capsule& capsule);

@@ -8,7 +8,7 @@
 
 namespace collided::engine::kernel {
 
-// The point of a simplex that is nearest to the origin, in arithmetic that does not round, or rounds far less than double.
+// The point of a simplex nearest to the origin, in arithmetic that does not round, or rounds far less than double.
 
 /// A corner of a minus one of b.
 template <class N>
@@ -38,13 +38,13 @@ std::vector<N> weights_of(const std::vector<MinkowskiVertex<N>>& corners) {
   if (w.size() == 3) return {dot(n, cross(w[1], w[2])), dot(n, cross(w[2], w[0])), dot(n, cross(w[0], w[1]))};
   const N volume = dot(n, w[3] - w[0]);
   const N turn(volume.sign() < 0 ? -1.0 : 1.0);
-  // Volumes of the tetrahedron with the origin in place of each corner.
+  // Volumes of the tetrahedra with the origin in place of each corner.
   return {turn * dot(w[1], cross(w[2], w[3])), -turn * dot(w[0], cross(w[2], w[3])),
           turn * dot(w[0], cross(w[1], w[3])), -turn * dot(w[0], cross(w[1], w[2]))};
 }
 
-/// The point of the simplex nearest to the origin lies inside exactly one of its faces: the one for which no other
-/// corner is nearer along the foot. Tests one face.
+/// The simplex's point nearest to the origin lies inside exactly one of its faces: the one for which no other corner is
+/// nearer along the foot. Tests one face.
 template <class N>
 bool nearest_in(const std::vector<MinkowskiVertex<N>>& simplex, unsigned which, Foot<N>& foot) {
   std::vector<MinkowskiVertex<N>> face;

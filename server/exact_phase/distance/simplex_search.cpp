@@ -50,7 +50,7 @@ void consider_face(NearestOfSimplex& best, const DifferencePoint* w, int i, int 
   const double of_b = n.dot(ac.cross(a)) / nn;
   const double of_c = n.dot(a.cross(ab)) / nn;
   if (!(of_b > 0 && of_c > 0 && of_b + of_c < 1)) return;
-  // A combination of the corners whatever the weights are worth; the foot on the plane may lie off a sliver.
+  // A combination of the corners whatever the weights are; for a sliver the foot on the plane may be off it.
   consider(best, a + of_b * ab + of_c * ac, {{i, 1 - of_b - of_c}, {j, of_b}, {k, of_c}});
 }
 
@@ -66,7 +66,7 @@ NearestOfSimplex nearest_of(const DifferencePoint* w, int count) {
   return best;
 }
 
-/// The origin's weights in a tetrahedron; false where it is outside or on the border, or the tetrahedron is flat.
+/// The origin's weights in a tetrahedron; false if it is outside or on the border, or the tetrahedron is flat.
 bool enclosed(const DifferencePoint* w, double* weight) {
   const Vec3 e[3] = {w[1].w - w[0].w, w[2].w - w[0].w, w[3].w - w[0].w};
   const double volume = e[0].dot(e[1].cross(e[2]));
@@ -92,7 +92,7 @@ void keep(Proposal& proposal, const NearestOfSimplex& nearest) {
 }
 
 /// If a support point lies farther from the origin than this, the plane through it has the whole difference set behind
-/// it, balls and roundings included.
+/// it, including balls and rounding.
 double clearance_m(const Convex& a, const Convex& b) {
   const double size = a.reach_m + b.reach_m + (a.carrier[0] - b.carrier[0]).norm() +
                       a.carrier[0].cwiseAbs().maxCoeff() + b.carrier[0].cwiseAbs().maxCoeff();
@@ -100,8 +100,8 @@ double clearance_m(const Convex& a, const Convex& b) {
          (1 + 16 * kRoundoff);
 }
 
-/// A point of the difference set nearer to the origin than this is covered by the balls, with more than any rounding to
-/// spare.
+/// A point of the difference set nearer to the origin than this is covered by the balls, with more to spare than any
+/// rounding.
 double near_m(const Convex& a, const Convex& b) {
   const double size = a.reach_m + b.reach_m + (a.carrier[0] - b.carrier[0]).cwiseAbs().sum();
   return std::max(0.0, (a.ball_m + b.ball_m) * (1 - 32 * kRoundoff) - 2 * kSupportError * size);
@@ -147,7 +147,7 @@ Proposal nearest_proposal(const Convex& a, const Convex& b, Seek seek) {
       proposal.parted = true;
       return proposal;
     }
-    // The support bounds how much nearer any point of the set can be: stop when that is only rounding.
+    // The support bounds how much nearer any point of the set can be: stops when that is only rounding.
     if (distance2 - along <= 4 * kRoundoff * distance2) return proposal;
     const bool known = std::any_of(proposal.corner, proposal.corner + proposal.count,
                                    [&](const DifferencePoint& p) { return p.w == next.w; });

@@ -17,7 +17,7 @@ namespace {
 struct Differences {
   Triple a[3];
   Triple b[3];
-  double size = 0;  // the largest coordinate of them
+  double size = 0;  // largest coordinate among them
 
   Differences(const Triangle& of_a, const Triangle& of_b) {
     const Triple origin = triple(of_b.a);
@@ -63,7 +63,7 @@ struct FacetPairs {
   }
 };
 
-/// Error of a push along a vector taken as it is, relative to the largest coordinate of the differences: each of two
+/// Error of a push along a vector taken as exact, relative to the largest coordinate of the differences: each of two
 /// products is off by four roundings of |n|_1 times that, the vector's length and the quotient by a few more; 64 cover
 /// both with |n|_1 <= sqrt(3) |n|.
 constexpr double kPushError = 64 * kRoundoff;
@@ -100,7 +100,7 @@ double depth_at_most(const Triangle& a, const Triangle& b, double enough_m) {
     const auto [u, v] = pairs.edges(i);
     const Triple n = cross(u, v);
     const double length2 = dot(n, n);
-    // Any vector that is not nothing parts the two by the push along it, whatever it is worth as a normal.
+    // The push along any vector but zero separates the two, however bad the vector is as a normal.
     if (!in_plain_range(length2)) continue;
     const double push = std::min(between.forward(n), between.backward(n)) / std::sqrt(length2);
     at_most_m = std::min(at_most_m, reported_at_most(push + kPushError * between.size, 4 * between.size));
@@ -114,7 +114,7 @@ std::optional<Vec3> sure_normal(const Triangle& a, const Triangle& b) {
   const FacetPairs pairs(a, b);
   double least_high = std::numeric_limits<double>::infinity();
   double least_low = least_high;
-  double second_low = least_high;  // of all axes but that with the least high
+  double second_low = least_high;  // of all axes but the one with the least high
   Vec3 normal = Vec3::Zero();
   for (int i = 0; i < FacetPairs::kCount; ++i) {
     const auto [u, v] = pairs.edges(i);
@@ -123,8 +123,8 @@ std::optional<Vec3> sure_normal(const Triangle& a, const Triangle& b) {
     if (!in_plain_range(length2)) return std::nullopt;
     const double inverse = 1 / std::sqrt(length2);
     const double edges = u.largest() * v.largest();
-    // Four times that of axes_of_least_push(), whose depths differ from these by less than one of its errors: what is
-    // apart here is apart there.
+    // Four times that of axes_of_least_push(), whose depths differ from these by less than one of its errors: axes
+    // distinct here are distinct there.
     const double off = 4 * kDepthError * (2 * pairs.between.size) * edges * inverse;
     const double forward = pairs.between.forward(n) * inverse;
     const double backward = pairs.between.backward(n) * inverse;
@@ -136,7 +136,7 @@ std::optional<Vec3> sure_normal(const Triangle& a, const Triangle& b) {
     second_low = std::min(second_low, least_low);
     least_high = depth + off;
     least_low = depth - off;
-    // Flat edges leave the normal's direction open, near equal pushes its sign.
+    // Flat edges leave the normal's direction open, nearly equal pushes its sign.
     const bool is_known = inverse * (kLeastSine * edges) < 1 && std::abs(forward - backward) > 2 * off;
     const double sign = !is_known ? 0 : backward < forward ? -inverse : inverse;
     normal = Vec3(sign * n.x, sign * n.y, sign * n.z);

@@ -6,19 +6,19 @@
 
 namespace collided::engine::kernel {
 
-/// A lower bound on the distance of two triangles, 0 where none is known: the gap along the normals of both and along the
+/// A lower bound on the distance of two triangles, 0 if none is known: the gap along the normals of both and along the
 /// line between their middles.
 double gap_at_least(const Triangle& a, const Triangle& b);
 
-// What plain double tells of contact(a, b) of two triangles that overlap, at a tenth of its cost: of many pairs only the
-// deepest is wanted, or those whose normals point one way.
+// Estimates of contact(a, b) for two overlapping triangles in plain double, at a tenth of its cost: of many pairs only
+// the deepest is needed, or those whose normals point one way.
 
-/// An upper bound on its depth_m, out of range infinite: the least push along the normals of both and the cross products
-/// of their edges. Stops at the first push that gives a bound below enough_m.
+/// An upper bound on its depth_m, infinite out of range: the least push along the normals of both and the cross
+/// products of their edges. Stops at the first push that gives a bound below enough_m.
 double depth_at_most(const Triangle& a, const Triangle& b, double enough_m);
 
-/// Its normal, off by less than kSureNormal in length, where one facet axis is surely that of the least push, and one
-/// way along it; else nothing.
+/// Its normal, off by less than kSureNormal in length, if one facet axis certainly has the least push, in one
+/// direction; else nothing.
 inline constexpr double kSureNormal = 0x1p-20;
 std::optional<Vec3> sure_normal(const Triangle& a, const Triangle& b);
 

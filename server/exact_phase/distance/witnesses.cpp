@@ -8,7 +8,7 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// A unit vector without the components that are rounding: in axis-aligned scenes the true direction has none.
+/// A unit vector without components that are rounding: in axis-aligned scenes the true direction has none.
 Vec3 squared_up(const Vec3& n) {
   Vec3 result = unit(n);
   for (double& x : result) x = std::abs(x) < kSquaredUp ? 0 : x;

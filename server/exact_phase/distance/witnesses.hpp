@@ -4,14 +4,14 @@
 
 namespace collided::engine::kernel {
 
-/// Directions across which two convex sets may be apart, and points that they may share: what the search in plain double
-/// found, for sets with round parts. Each is then to be tested exactly.
+/// Directions across which two convex sets may be apart, and points that they may share, as found by the search in
+/// plain double, for sets with round parts. The caller must test each exactly.
 struct Witnesses {
   Vec3 normal[4];
   Vec3 point[10];
 
   Witnesses(const Convex& a, const Convex& b, const Proposal& proposal, const DepthProposal& depth);
-  /// Searches by itself.
+  /// Runs the search itself.
   Witnesses(const Convex& a, const Convex& b);
 };
 
