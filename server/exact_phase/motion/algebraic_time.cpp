@@ -19,7 +19,7 @@ TimePolynomial common_divisor(TimePolynomial a, TimePolynomial b) {
   return a;
 }
 
-/// The same roots, each once.
+/// A polynomial with the same roots, each once.
 TimePolynomial without_multiple_roots(TimePolynomial polynomial) {
   if (polynomial.count() < 3) return polynomial;
   const TimePolynomial shared = common_divisor(polynomial, polynomial.derivative());

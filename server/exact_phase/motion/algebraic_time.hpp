@@ -22,7 +22,7 @@ class AlgebraicTime {
 
   /// Narrows the interval to `width`, or to neighbouring doubles.
   void narrow(double width);
-  /// The sign of another polynomial at the root; unsure when out of steps.
+  /// The sign of another polynomial at the root; unsure if out of steps.
   Sign sign_of(TimePolynomial other);
   /// A bracket of doubles: the root is in (low, high], or both and the root are 0.
   TimeBracket bracket() const;
@@ -40,8 +40,8 @@ class AlgebraicTime {
   bool known_ = false;  // low_ and high_ are both the root
 };
 
-/// An approximation of the root of a polynomial that changes sign once in [low, high], ending with before_high. Only a
-/// guess: no decision depends on it.
+/// An approximation of the root of a polynomial that changes sign once in [low, high], ending with before_high. No
+/// decision depends on it.
 double guessed_root(const std::array<double, 4>& coefficient, double low, double high, Sign before_high);
 
 /// Every root in [low, high], multiple ones once, ascending. The zero polynomial gives none.

@@ -15,7 +15,7 @@ bool surely_apart(const MovingSphere& mover, const Sphere& other) {
   const double distance_m2 = (from + nearest * motion).squaredNorm();
   const double reach_m = mover.radius_m + other.radius_m;
   const double largest_m2 = from.squaredNorm() + travel_m2 + reach_m * reach_m;
-  // Below this range squares may have lost their digits, above it they are infinite; NaN fails the comparisons.
+  // Below this range squares may lose their digits, above it they are infinite; NaN fails the comparisons.
   return largest_m2 > kSmallestPlain && largest_m2 < kLargestPlain &&
          distance_m2 - reach_m * reach_m > kBallsApartSlack * largest_m2;
 }

@@ -5,7 +5,7 @@
 
 namespace collided::engine::kernel {
 
-/// Whether a moving sphere certainly never meets one at rest: the distance of a point from a segment in plain double,
+/// True if a moving sphere certainly never meets one at rest: the distance of a point from a segment in plain double,
 /// with one bound for all roundings. False proves nothing.
 ///
 /// cost  about 5 ns, against 300 for a test at the end and the time of contact; no allocation

@@ -33,7 +33,7 @@ Frame BodyMotion::at(double t) const {
 double BodyMotion::error_m(double reach_m) const {
   if (turn_rad == 0 && from.position == to.position) return 0;
   const double size_m = from.position.cwiseAbs().maxCoeff() + to.position.cwiseAbs().maxCoeff() + reach_m;
-  // The way over the pivot rounds about twice as often.
+  // The path over the pivot rounds about twice as often.
   return pivot_m > 0 ? 2 * kWayError * (size_m + 2 * pivot_m) : kWayError * size_m;
 }
 

@@ -8,50 +8,49 @@
 
 namespace collided::engine {
 
-/// The motion of a body between two poses while time runs from 0 to 1: a point of it, its pivot, moves straight at constant
-/// speed, and the body rotates at constant angular speed about a fixed axis through that point, through the smaller angle (a
-/// half turn may go in either direction). The pivot is the frame's origin, or for what is attached to another object the
-/// origin of that one's frame.
+/// The motion of a body between two poses while time runs from 0 to 1: its pivot moves straight at constant speed, and
+/// the body rotates at constant angular speed around a fixed axis through the pivot, by the smaller angle (a half turn
+/// may go in either direction). The pivot is the frame's origin, or for an attached object the origin of its parent's
+/// frame.
 struct BodyMotion {
   Frame from;
   Frame to;
   Vec3 travel = Vec3::Zero();  // translation of the pivot, metres
-  Vec3 axis = Vec3::Zero();    // of the rotation, in the world, unit length; zero without rotation
-  double turn_rad = 0;         // in [0, pi]
+  Vec3 axis = Vec3::Zero();    // axis of the rotation, in the world, unit length; zero without rotation
+  double turn_rad = 0;         // angle in [0, pi]
   Vec3 pivot = Vec3::Zero();   // in the body's frame, metres; zero without rotation
-  double pivot_m = 0;          // an upper bound on its length
-  /// The pose that `from` was made of, if shapes are to be met where it has them exactly; null: where `from` places them.
-  /// Must outlive this.
+  double pivot_m = 0;          // upper bound on its length
+  /// The pose that `from` was made from, if contacts of the exactly placed shapes are wanted; null: of the shapes
+  /// placed by `from`. Must outlive this.
   const Pose* given = nullptr;
 
   BodyMotion() = default;
   BodyMotion(const Frame& from, const Frame& to, const Vec3& about = Vec3::Zero());
   static BodyMotion resting(const Frame& frame) { return {frame, frame}; }
 
-  /// The same with time reversed; no longer from a given pose.
+  /// The motion with time reversed, without a given pose.
   BodyMotion reversed() const { return {to, from, pivot}; }
 
   /// The frame at time t: exactly `from` at 0 and `to` at 1, in between within error_m of the true motion.
   Frame at(double t) const;
-  /// Of a body whose points are at most reach_m from the frame's origin: no point is farther from its place without
-  /// rotation than the turn times this, and from the line between its places at both ends than an eighth of the turn's square
-  /// times this.
+  /// For a body whose points are at most reach_m from the frame's origin: rotation moves a point at most by the angle
+  /// times this, and off the line between its places at both ends at most by an eighth of the squared angle times this.
   double lever_m(double reach_m) const { return reach_m + 2 * pivot_m; }
   /// How far a point placed by at(t), at most reach_m from the frame's origin, may be from the true motion, metres; 0
   /// for a body at rest.
   double error_m(double reach_m) const;
-  /// How far a shape may be from where the pose given has it, beside error_m: metres; 0 without a pose, and where placing
-  /// rounds nothing.
+  /// How far a shape may be from its place by the given pose, in addition to error_m: metres; 0 without a pose, and if
+  /// placing rounds nothing.
   template <class Shape>
   double placing_m(const Shape& own) const {
     if (given == nullptr) return 0;
     const double first_m = placing_error_of(from, own);
-    // What the end of a straight motion adds is in error_m, but for discs, which far from the origin tilt more.
+    // The error at the end of a straight motion is in error_m, except for discs, which tilt more far from the origin.
     constexpr bool has_disc = std::is_same_v<Shape, Cylinder> || std::is_same_v<Shape, Cone>;
     const bool is_within_error = turn_rad == 0 && (!has_disc || from.position == to.position);
     return is_within_error ? first_m : first_m + placing_error_of(to, own);
   }
-  /// The same for any point within reach_m of the frame's origin.
+  /// Bound for any point within reach_m of the frame's origin.
   double placing_m(double reach_m) const {
     if (given == nullptr) return 0;
     return placing_error_m(from, reach_m) + (turn_rad == 0 ? 0 : placing_error_m(to, reach_m));
@@ -68,7 +67,7 @@ struct BodyMotion {
   PointVelocity velocity(const Vec3& point, double t, double motion_s, double slack_s) const;
 };
 
-/// The same motion in coordinates that count from the origin (common_origin.hpp), without a given pose.
+/// The motion in coordinates relative to the origin (common_origin.hpp), without a given pose.
 inline BodyMotion seen_from(const Vec3& origin, const BodyMotion& motion) {
   BodyMotion seen = motion;
   seen.from = seen_from(origin, motion.from);

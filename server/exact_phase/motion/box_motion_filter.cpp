@@ -24,8 +24,8 @@ MovingBox::MovingBox(const Box& own, const Frame& before, const Frame& now, doub
     return;
   }
   at_start = place(before, own);
-  // Two rotations take a point at most as far apart as the Frobenius norm of their difference times its distance from
-  // the origin, and the motion turns the short way, so no frame on the way is farther from the last than the first.
+  // Two rotations move a point apart by at most the Frobenius norm of their difference times its distance from the
+  // origin. The motion takes the shorter rotation, so the first frame is farthest from the last.
   const double turn = (now.rotation - before.rotation).norm();
   turn_m = turn * reach_m;
   // Rotating by an angle t changes the matrix by sqrt(8) sin(t / 2), and t is at most pi / sqrt(8) times that; an arc

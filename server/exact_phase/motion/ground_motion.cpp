@@ -37,7 +37,7 @@ class Landing {
   }
 
  private:
-  /// A lower bound on the placed part's distance from the plane; negative where it is not surely ahead of it.
+  /// A lower bound on the placed part's distance from the plane; negative if it is not certainly ahead of it.
   double clearance_m(double t) const {
     const kernel::Convex set = std::visit([](const auto& shape) { return kernel::Convex(shape); }, part_.at(t));
     return -kernel::push_along(ground_.normal, plane_, set).high();
@@ -59,8 +59,8 @@ class Landing {
   double error_m_;
 };
 
-/// For a straight motion: exact, from the part's first position and its translation, neither of which is rounded. A part
-/// that is ahead of the plane at span.low and was not before has left it for good.
+/// For a straight motion: exact, from the part's first position and its translation, neither of which is rounded. A
+/// part that is ahead of the plane at span.low and was not before has left it for good.
 ExactResult straight_to_ground(const PartMotion& part, const HalfSpace& ground, TimeSpan span, double width,
                                TimeBracket& bracket) {
   const BoundedPart first = part.at(0);
@@ -77,7 +77,7 @@ ExactResult straight_to_ground(const PartMotion& part, const HalfSpace& ground, 
   return verdict;
 }
 
-/// placing_m: how far the two as placed may be off, in all.
+/// placing_m: bound on the placing error of the two together.
 ExactResult contact_of_placed(const PartMotion& part, const HalfSpace& ground, double placing_m, TimeSpan span,
                               double width, TimeBracket& bracket) {
   const ExactResult at_once = std::visit([&](const auto& shape) { return overlaps(ground, shape); }, part.at(span.low));
@@ -89,8 +89,8 @@ ExactResult contact_of_placed(const PartMotion& part, const HalfSpace& ground, d
   return {Landing(part, ground, placing_m, width, bracket).look(span), Level::filter};
 }
 
-/// Whether an answer for the placed two surely holds where they may be off by placing_m: a part that goes straight is
-/// lowest at an end of its way.
+/// True if an answer for the placed two certainly holds if they are off by placing_m: a part that moves straight is
+/// lowest at one end of its path.
 bool holds_within(const PartMotion& part, const HalfSpace& ground, double placing_m, TimeSpan span,
                   const ExactResult& verdict, const TimeBracket& bracket) {
   const double off_m = placing_m + 2 * part.motion->error_m(part.reach_m);

@@ -17,12 +17,14 @@ namespace collided::engine {
 namespace {
 
 constexpr double kApart = std::numeric_limits<double>::infinity();
-/// A margin may come out this much below 0 where the two just touch, relative to their coordinates and sizes. The
-/// coordinates count from a common origin (common_origin.hpp): a billion metres out this would else be a metre.
+/// A margin may come out this much below 0 if the two just touch, relative to their coordinates and sizes. The
+/// coordinates are relative to a common origin (common_origin.hpp): a billion metres out this would otherwise be a
+/// metre.
 constexpr double kResolution = 0x1p-30;
 constexpr double kHopeless = std::numeric_limits<double>::max();
 
-/// The radius of a ball about the point that the part surely holds; negative: how far from the part the point may be.
+/// The radius of a ball around the point that the part certainly contains; negative: how far the point may be from the
+/// part.
 double margin_about(const Vec3& point, const ConvexPart& part) {
   if (const auto* primitive = std::get_if<Primitive>(&part)) {
     if (const auto* sphere = std::get_if<Sphere>(primitive)) {
@@ -51,13 +53,13 @@ double size_of(const ConvexPart& part) {
   return (box.high - box.low).maxCoeff();
 }
 
-/// The part's point nearest to the given one, which is that one inside of it.
+/// The part's point nearest to the given one, which is the given one if inside.
 Vec3 nearest_of(const Vec3& point, const ConvexPart& part) {
   const Closest found = std::visit([&](const auto& own) { return closest(point, own); }, part);
   return found.distance_m == 0 ? point : found.point;
 }
 
-/// Of a convex polygon what is not beyond the plane.
+/// The part of a convex polygon that is not beyond the plane.
 std::vector<Vec3> cut_off(const std::vector<Vec3>& polygon, const Vec3& normal, const Vec3& on_plane) {
   std::vector<Vec3> left;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
@@ -72,7 +74,7 @@ std::vector<Vec3> cut_off(const std::vector<Vec3>& polygon, const Vec3& normal, 
   return left;
 }
 
-/// A point of both parts as a search in plain double finds it, where it does.
+/// A point of both parts, if a search in plain double finds one.
 std::optional<Vec3> searched_point(const ConvexPart& a, const ConvexPart& b) {
   if (half_space_of(a) != nullptr || half_space_of(b) != nullptr) return std::nullopt;
   const kernel::Convex set_a = convex_of(a);
@@ -86,12 +88,12 @@ std::optional<Vec3> searched_point(const ConvexPart& a, const ConvexPart& b) {
   return on_a - (set_a.ball_m + (apart_m - set_b.ball_m)) / 2 / apart_m * found.nearest;
 }
 
-/// A point that the two parts share at one time, or nearly, and the margins of both about it, in all.
+/// A point that the two parts share at one time, or nearly, and the sum of both margins around it.
 struct SharedPoint {
   Vec3 point = Vec3::Zero();
   double margin_m = 0;
 
-  /// known_off_m  how much less than they are the margins may come out at a known point
+  /// known_off_m  how much smaller than in truth the margins may come out at a known point
   SharedPoint(const ConvexPart& a, const ConvexPart& b, const Vec3* known, double known_off_m) {
     if (known != nullptr) {
       point = *known;
@@ -101,7 +103,7 @@ struct SharedPoint {
       const Separation gap = separation(a, b);
       point = (gap.on_a + gap.on_b) / 2;
     }
-    // Nothing about a point beside its plane is a triangle's.
+    // Off a triangle's plane its margin is negative, so the point moves onto the triangle.
     for (const ConvexPart* part : {&a, &b}) {
       if (std::holds_alternative<Triangle>(*part)) point = nearest_of(point, *part);
     }
@@ -110,8 +112,8 @@ struct SharedPoint {
   }
 
  private:
-  /// A contact's point is halfway between its deepest ones, and may lie beside what the two share. What a search for
-  /// their distance ends with is a point of both, perhaps of a border.
+  /// A contact's point is halfway between its deepest ones, and may lie beside the overlap. A search for the distance
+  /// ends at a point of both, possibly on a border.
   void go_inside(const ConvexPart& a, const ConvexPart& b) {
     if (margin_m > 0) return;
     if (const std::optional<Vec3> found = searched_point(a, b)) take(*found, a, b);
@@ -121,7 +123,7 @@ struct SharedPoint {
     go_to_and_fro(a, b);
   }
 
-  /// The middle of the triangle, less what lies beyond the solid's border planes that earlier middles showed.
+  /// The middle of the triangle, after cutting off what lies beyond the solid's border planes found at earlier middles.
   void cut_down(const Triangle& triangle, const ConvexPart& own, const ConvexPart& solid) {
     constexpr int kMostRounds = 12;
     std::vector<Vec3> rest{triangle.a, triangle.b, triangle.c};
@@ -134,14 +136,14 @@ struct SharedPoint {
     }
   }
 
-  /// Projections onto the two in turn (Bregman 1965).
+  /// Projects onto the two alternately (Bregman 1965).
   void go_to_and_fro(const ConvexPart& a, const ConvexPart& b) {
     constexpr int kMostRounds = 6;
     for (int round = 0; round < kMostRounds && margin_m <= 0; ++round) {
       const Vec3 across = nearest_of(point, a) - point;
       const Vec3 along = nearest_of(Vec3(point + across), b) - point;
       if (along.isZero(0)) break;
-      // The border is across.norm() / sin off, and along.norm() is across.norm() sin, of the angle between the two.
+      // The border is across.norm() / sin off, and along.norm() is across.norm() sin, for the angle between the two.
       constexpr double kBeyond = 1.5;
       const Vec3 beyond = kBeyond * across.squaredNorm() / along.squaredNorm() * along;
       if (!take(nearest_of(Vec3(point + beyond), b), a, b) && !take(point + along, a, b)) break;
@@ -167,10 +169,10 @@ bool touch_at(const PartOnMotion& a, const PartOnMotion& b, double t, double off
   return overlaps(placed_a, placed_b).yes() || !(off_m > 0 && surely_apart(placed_a, placed_b, off_m));
 }
 
-/// The two points as fixed in the body, in the world's directions when the span begins.
+/// The two points as fixed in the body, in the world's directions at the beginning of the span.
 struct FixedPoints {
-  double moved_m = 0;      // from one to the other
-  double from_axis_m = 0;  // the farther one
+  double moved_m = 0;      // from one point to the other
+  double from_axis_m = 0;  // distance of the farther one
 
   FixedPoints(const BodyMotion& motion, const TimeSpan& span, const Vec3& first, const Vec3& last) {
     if (motion.turn_rad == 0) return;
@@ -186,7 +188,7 @@ struct FixedPoints {
   }
 };
 
-/// By how much common points can come apart, divided by s (1 - s).
+/// How far common points can come apart, divided by s (1 - s).
 double parting_m(const BodyMotion& motion, const TimeSpan& span, double moved_m, double from_axis_m) {
   const double turn_rad = motion.turn_rad * (span.high - span.low);
   return turn_rad * (moved_m + turn_rad * from_axis_m / 2) * (1 + kBoundSlack);
@@ -195,7 +197,7 @@ double parting_m(const BodyMotion& motion, const TimeSpan& span, double moved_m,
 /// Where the line of an edge meets the plane of a triangle.
 struct Piercing {
   Vec3 point = Vec3::Zero();
-  double slope = 0;                // sine of the angle of the two
+  double slope = 0;                // sine of the angle between the two
   std::array<double, 5> left_m{};  // to the ends of the edge and the sides of the triangle; negative beyond them
 
   Piercing(const Vec3& from, const Vec3& to, const Triangle& triangle) {
@@ -217,8 +219,8 @@ struct Piercing {
 
 /// An edge of one triangle against the other, both on their motions over the span.
 ///
-/// Where its line meets the plane, common points come apart as any do, and then the line meets the plane within 1 / slope
-/// of that from both points. What is left to the ends and sides goes evenly from what it is at the begin to what it is at
+/// If the edge's line meets the plane, common points separate as usual, and then the line meets the plane within 1 /
+/// slope of that distance from both points. The distances to the ends and sides change linearly from the beginning to
 /// the end.
 double shortfall_of_edge(const PartOnMotion& edge, int number, const PartOnMotion& other, const TimeSpan& span,
                          double off_m) {
@@ -250,14 +252,14 @@ double shortfall_of_edge(const PartOnMotion& edge, int number, const PartOnMotio
   return std::min(parting / bridged_m, kHopeless);
 }
 
-/// Triangles hold no balls: what lasts is that an edge of one goes through the other.
+/// Triangles contain no balls: lasting contact means that an edge of one passes through the other.
 double shortfall_of_triangles(const PartOnMotion& a, const PartOnMotion& b, const TimeSpan& span, double off_m) {
   double least = kApart;
   for (int number = 0; number < 3 && least > 0; ++number)
     least =
         std::min({least, shortfall_of_edge(a, number, b, span, off_m), shortfall_of_edge(b, number, a, span, off_m)});
   if (least < kApart) return least;
-  // Of two in one plane no edge goes through the other.
+  // If both lie in one plane, no edge passes through the other.
   const auto normal_at = [](const PartOnMotion& part, double t) {
     const auto triangle = std::get<Triangle>(part.at(t));
     return Vec3((triangle.b - triangle.a).cross(triangle.c - triangle.a).normalized());

@@ -16,7 +16,7 @@ struct MovingPair {
   }
 };
 
-/// While the points stay in one plane, contact can begin only where a turn or a gap changes its sign.
+/// While the points stay in one plane, contact can begin only when a turn or a gap changes its sign.
 std::vector<AlgebraicTime> changes_in_plane(const MovingPair& question, const Dyadic& from) {
   std::vector<AlgebraicTime> times;
   const auto add = [&](const Path<Dyadic>& v) {

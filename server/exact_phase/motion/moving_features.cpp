@@ -26,9 +26,9 @@ bool finite(const Quartet& q) {
                      [](const MovingPoint& p) { return p.start.allFinite() && p.end.allFinite(); });
 }
 
-/// Whether on some axis the first point stays strictly on one side of the other three (point and face), or one
-/// segment's ends of the other's. Exact, by comparing doubles: two points in linear motion keep their order if both
-/// ends have it.
+/// True if on some axis the first point stays strictly on one side of the other three (point and face), or one
+/// segment's ends on one side of the other's. Exact, by comparing doubles: two points in linear motion keep their order
+/// if both ends have it.
 bool parted_by_axis(const Quartet& q) {
   const auto range = [&](int first, int last, int axis, Vec3 MovingPoint::*when) {
     TimeRange r{(q.point[first].*when)[axis], (q.point[first].*when)[axis]};
@@ -71,13 +71,13 @@ ZeroCrossing crossing(const Times& cubic, const Bounded& low, const Bounded& hig
   return last < 3 || s[1] == s[0] || s[2] == s[3] ? ZeroCrossing::once : ZeroCrossing::unsure;
 }
 
-/// What double with a running bound can decide about one pair of features.
+/// Decides what double with a running bound can decide about one pair of features.
 class FeatureFilter {
  public:
   FeatureFilter(const Quartet& q, double width) : moving_(q), cubic_(moving_.coplanarity()), width_(width) {}
 
   Decision run(TimeBracket& bracket);
-  /// There is surely no contact before this time; 0 where even the start is open.
+  /// There certainly is no contact before this time; 0 if even the start is undecided.
   double clear_until() const { return clear_until_; }
 
  private:
@@ -98,7 +98,7 @@ Decision FeatureFilter::sides_on(double low, double high) const {
   return meets_in_plane(sides_, gaps_, [&](const Times& p) { return p.sign_on(low, high); });
 }
 
-/// Narrows the span around its only root to the given width; false where that cannot be certain.
+/// Narrows the span around its only root to the given width; false if that cannot be certain.
 bool FeatureFilter::narrow(TimeRange& span, Sign before_high) const {
   if (span.high - span.low <= width_) return true;
   std::array<double, 4> coefficient{};
@@ -138,10 +138,10 @@ Decision FeatureFilter::search(TimeBracket& bracket) {
     if (crosses == ZeroCrossing::always) here = inside;
     if (here == Decision::yes && crosses == ZeroCrossing::always) {
       bracket = {std::min(unsure_since, span.low), span.low};
-      // The start itself is open, and contact at 0 is a different answer from contact soon after.
+      // If the start itself is undecided, contact at 0 is a different answer from contact soon after.
       return span.low > 0 && bracket.low == 0 ? Decision::undecided : here;
     }
-    // A span left open can be settled only by contact throughout the next one.
+    // An undecided span can be settled only by contact throughout the next one.
     if (unsure_since < 2 && here != Decision::undecided) return Decision::undecided;
     if (here == Decision::yes) return here;
     if (here == Decision::no) {

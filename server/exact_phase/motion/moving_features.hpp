@@ -27,8 +27,8 @@ struct MovingTriangle {
 /// Whether the two meet at a time in [0, 1], and a bracket of the first such time, no wider than `width` unless its
 /// ends are neighbouring doubles. Never late, never missed; swapping or reordering changes nothing.
 ///
-/// decision  exact for the given doubles; undecided only for coordinates that are not finite, or where the thread's
-/// precision ends below rationals
+/// decision  exact for the given doubles; undecided only for coordinates that are not finite, or if the thread's
+///           precision ends below rationals
 /// source    the cubic of Provot, "Collision and self-collision handling in cloth model", 1997; its exact decision as
 /// called for by Brochu, Edwards, Bridson, "Efficient geometrically exact continuous collision detection", 2012, and
 /// Wang et al., "A large-scale benchmark and an inclusion-based algorithm for continuous collision detection", 2021.

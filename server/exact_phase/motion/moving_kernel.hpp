@@ -49,10 +49,10 @@ struct MovingQuartet {
   Polynomial<N> coplanarity() const { return dot(to[0], cross(to[1], to[2])); }
 };
 
-/// Vectors of degree 2, in groups. Where two of a group have opposite signs on any axis, there is no contact. Where the
+/// Vectors of degree 2, in groups. If two of a group have opposite signs on any axis, there is no contact. If the
 /// points lie in one plane and, on one axis, no group has opposite signs and not all are zero, there is contact.
-///   point and face: the point's turns about the three edges, one group;
-///   two segments: the turns of the other's ends about each, one group each, the second negated.
+/// point and face: the turns of the point around the three edges, one group;
+/// two segments: the turns of the other's ends around each, one group each, the second negated.
 template <class N>
 struct Sides {
   std::array<Path<N>, 4> turn;
@@ -75,7 +75,7 @@ struct Sides {
   }
 };
 
-/// Vectors of degree 1. Where all have one strict sign on an axis, the features' boxes are separate.
+/// Vectors of degree 1. If all have one strict sign on an axis, the features' boxes are separate.
 template <class N>
 struct Gaps {
   std::array<Path<N>, 4> gap;

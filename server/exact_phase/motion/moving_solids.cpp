@@ -17,8 +17,8 @@ Vector<N> travel_until(const Translated<Shape>& mover, double t) {
   return N(t) * (Vector<N>(mover.to) - Vector<N>(mover.from));
 }
 
-/// A box with all that it covers during its motion: the same box with a fourth axis, half the translation to either
-/// side of the middle.
+/// A box with the volume that it sweeps: the same box with a fourth axis, half the translation to either side of the
+/// middle.
 template <class N>
 struct SweptBox {
   Solid<N> box;
@@ -118,7 +118,7 @@ double guessed_time(const Translated<Box>& mover, const Triangle& other) {
   return latest < 1 ? latest : 1;
 }
 
-/// Roughly when the segment's nearer end meets the triangle's plane; good enough as a guess.
+/// Approximate time at which the segment's nearer end meets the triangle's plane; good enough as a guess.
 double guessed_time(const Translated<Capsule>& mover, const Triangle& other) {
   const Capsule& capsule = mover.start;
   const Vec3 n = (other.b - other.a).cross(other.c - other.a);

@@ -38,7 +38,7 @@ bool parted_by_axis(const MovingTriangle& a, const MovingTriangle& b) {
 
 bool rests(const MovingPoint& p) { return p.start == p.end; }
 
-/// Whether the plane of a triangle at rest has the other one strictly on one side, at both ends and so throughout.
+/// True if the plane of a triangle at rest has the other one strictly on one side, at both ends and so throughout.
 bool parted_by_plane(const MovingTriangle& resting, const MovingTriangle& other) {
   using namespace kernel;
   if (!rests(resting.a) || !rests(resting.b) || !rests(resting.c)) return false;
@@ -95,7 +95,7 @@ ExactResult first_contact(const MovingTriangle& a, const MovingTriangle& b, doub
     }
   }
   if (earliest.verdict.yes()) {
-    // There is contact by then; while a part is undecided, it may have begun earlier.
+    // There is contact by then; if a part is undecided, it may have begun earlier.
     bracket = {earliest.open ? 0 : earliest.bracket.low, earliest.bracket.high};
   } else if (earliest.open) {
     earliest.verdict.decision = Decision::undecided;

@@ -23,17 +23,17 @@ namespace {
 
 using kernel::Convex;
 
-/// Beyond this many planes along one motion the parts slide along each other too closely to be separated. Their number
-/// grows with the root of speed^2 / gap: of 200,000 random sweeps five pass at a thousandth of their size and take 520 to
-/// 740, and a block that turns by 3 rad a millionth of its size above another takes 1,000.
+/// Limit of planes along one motion; beyond it the parts slide along each other too closely to be separated. Their
+/// number grows with the root of speed^2 / gap: of 200,000 random sweeps five pass at a thousandth of their size and
+/// take 520 to 740, and a block that rotates by 3 rad a millionth of its size above another takes 1,000.
 constexpr int kMostSteps = 1 << 12;
-/// So many more where a contact was found farther behind them than asked: parts that pass each other at a small angle
-/// approach far more slowly than the bound on their speed.
+/// Further planes if a contact was found farther behind them than the requested width: parts that pass each other at a
+/// small angle approach far more slowly than the bound on their speed.
 constexpr int kMostNarrowing = 1 << 14;
-/// Cost, in looks, of an overlap that doubles do not decide, and of a graze.
+/// Cost, in tests, of an overlap that doubles do not decide, and of a graze.
 constexpr std::uint32_t kExactLooks = 8;
 
-/// Shortens lengths and times that must not be exceeded: by far more than their few roundings.
+/// Shortens lengths and times that must not be exceeded, by far more than their few roundings.
 constexpr double kShy = 1 - 0x1p-40;
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
@@ -48,10 +48,10 @@ ExactResult overlap_at(const PartMotion& a, const PartMotion& b, double t) {
 
 bool turn(const PartMotion& a, const PartMotion& b) { return a.motion->turn_rad != 0 || b.motion->turn_rad != 0; }
 
-/// What is asked is where the poses given have them, which is not where they are placed.
+/// True if the answer is about the exactly placed parts, which differ from the placed ones.
 bool are_given(const PartMotion& a, const PartMotion& b) { return a.placing_m + b.placing_m > 0; }
 
-/// Whether the two, where the poses given have them, share a point until t while both move straight.
+/// Whether the two, placed exactly, share a point until t while both move straight.
 class GivenMotions {
  public:
   GivenMotions(const PartMotion& a, const PartMotion& b)
@@ -70,11 +70,11 @@ class GivenMotions {
   kernel::StraightMotion motion_;
 };
 
-/// What of a part the rotation moves: nothing of a wheel about its own axis, nor of a ball about its centre.
+/// The part of a shape that rotation moves: nothing of a wheel around its own axis, nor of a ball around its centre.
 struct Lever {
-  double points_m = 0;  // of all points but those of discs and ball, from the axis of the rotation, at most
+  double points_m = 0;  // largest distance of any point, except of discs and ball, from the axis of the rotation
   double disc_m = 0;    // radius of the discs
-  double tilt_m = 0;    // that times the distance of their unit normal from the axis of the rotation
+  double tilt_m = 0;    // disc_m times the distance of the discs' unit normal from the axis of the rotation
 
   explicit Lever(const PartMotion& part) {
     if (part.motion->turn_rad == 0) return;
@@ -106,11 +106,11 @@ class Advance {
         lever_b_(b),
         slack_m_(2 * (a.motion->error_m(a.reach_m) + b.motion->error_m(b.reach_m)) + a.placing_m + b.placing_m) {}
 
-  /// Finds a plane that separates the two at time t, and a lower bound on the gap; not positive: none was found.
+  /// Finds a plane that separates the two at time t, and a lower bound on the gap; not positive if none was found.
   /// `normal` holds the previous step's plane, which is tried first: for round parts that nearly touch, double finds a
   /// worse one than it did from farther away.
   ///
-  /// by_faces  tries the plane of a face, too, where the nearest points show none
+  /// by_faces  also tries the planes of faces if the nearest points give none
   double part_at(double t, Vec3& normal, bool by_faces) const {
     const BoundedPart a = a_.at(t);
     const BoundedPart b = b_.at(t);
@@ -126,28 +126,28 @@ class Advance {
       normal = n;
     };
     if (!proposal.encloses && !proposal.nearest.isZero(0)) try_plane(-proposal.nearest.stableNormalized());
-    // Nearest points closer than they are known lie in no direction; faces have one.
+    // Nearest points closer than their error give no direction; faces have one.
     if (!(gap_m > 0) && by_faces && !proposal.encloses)
       try_plane(kernel::depth_proposal(set_a, set_b, proposal, 0).normal);
     return gap_m;
   }
 
-  /// Whether the two touch at t: as placed, or surely where the poses given have them.
+  /// Whether the two touch at t: as placed, or certainly if placed exactly.
   ExactResult touch_at(double t) const {
     if (!are_given(a_, b_)) return overlap_at(a_, b_, t);
     const bool surely = surely_meet(a_.placed_at(t), b_.placed_at(t), slack_m_);
     return {surely ? Decision::yes : Decision::undecided, Level::filter};
   }
 
-  /// Both move straight, and across n they approach by no more than the error of their placing, or the motion is over:
-  /// where they are placed at its end does not show whether the motion brings them together.
+  /// True if both move straight, and along n they approach by no more than their placing error, or the motion is over:
+  /// then their places at its end do not show whether the motion brings them together.
   bool ends_in_doubt(const Vec3& n, double gap_m, double length, bool is_over) const {
     if (turn(a_, b_) || are_given(a_, b_)) return false;
     return is_over || closing_speed_m(n) * length - gap_m <= 4 * slack_m_;
   }
 
-  /// How long the plane across n surely separates them, given that they are `gap_m` apart along it at t; infinite: up
-  /// to `end`.
+  /// How long the plane across n certainly separates them, given that they are `gap_m` apart along it at t; infinite:
+  /// until `end`.
   double parted_for(const Vec3& n, double gap_m, double t, double end) const {
     const double most = end - t;
     const double speed = closing_speed_m(n);
@@ -160,7 +160,7 @@ class Advance {
     for (int attempt = 0; attempt < 3 && step > sure; ++attempt) {
       const double gap_then_m = gap_at(n, t + step);
       if (std::min(gap_m, gap_then_m) * kShy > bend_m * step * step) return step < most ? step : kForever;
-      // Shrink to where the line between the two gaps leaves just enough for the bend.
+      // Shrinks to where the line between the two gaps leaves just enough for the bend.
       const double whole = gap_m > gap_then_m ? step * gap_m / (gap_m - gap_then_m) : step;
       constexpr double kLeastLeft = 0x1p-10;
       const double left = std::clamp(4 * bend_m * whole * whole / gap_m, kLeastLeft, 0.5);
@@ -172,7 +172,7 @@ class Advance {
  private:
   double gap_of(const Vec3& n, const Convex& a, const Convex& b) const {
     const double gap_m = -kernel::push_along(n, a, b).high() - slack_m_;
-    // Without a least gap steps would shrink for ever. NaN is no gap.
+    // Without a least gap, steps would shrink for ever. NaN counts as none.
     return gap_m > slack_m_ / 16 ? gap_m : 0;
   }
   double gap_at(const Vec3& n, double t) const {
@@ -186,16 +186,16 @@ class Advance {
     const double straight = n.dot(travel) + kChainSlack * travel.cwiseAbs().sum();
     return straight + (turn_of(n, a_, lever_a_) + turn_of(n, b_, lever_b_)) * (1 + kBoundSlack);
   }
-  /// How fast the rotation changes how far the part reaches along n, at most. A disc of radius r and unit normal c
+  /// Upper bound on how fast the rotation changes the part's reach along n. A disc of radius r and unit normal c
   /// reaches r |n x c|, which is convex in n and in c and nowhere steeper than r in either, and c moves no faster than
   /// its tilt.
   static double turn_of(const Vec3& n, const PartMotion& part, const Lever& lever) {
     const double across = n.cross(part.motion->axis).norm();
     return part.motion->turn_rad * (across * lever.points_m + std::min(across * lever.disc_m, lever.tilt_m));
   }
-  /// How far a set reaches along n changes, within a step, by at most a linear term plus this times the step squared:
-  /// seen from the body n rotates, its second derivative is at most turn |n x axis| (that of a disc's normal, seen from
-  /// the world, is turn times its tilt), reach is convex in n and nowhere steeper than the lever, and a curve leaves its
+  /// A set's reach along n changes, within a step, by at most a linear term plus this times the step squared: seen from
+  /// the body n rotates, its second derivative is at most turn |n x axis| (that of a disc's normal, seen from the
+  /// world, is turn times its tilt), reach is convex in n and nowhere steeper than the lever, and a curve leaves its
   /// chord by at most an eighth of that.
   double bend(const Vec3& n) const {
     const double a = turn_of(n, a_, lever_a_) * a_.motion->turn_rad;
@@ -210,7 +210,7 @@ class Advance {
   double slack_m_;
 };
 
-/// Where planes fail and the two do not overlap yet: looks for an overlap at growing distances in time, then halves the
+/// If planes fail and the two do not overlap yet: looks for an overlap at growing distances in time, then halves the
 /// time between the last test without and the first with one.
 ExactResult look_for_overlap(const PartMotion& a, const PartMotion& b, double low, double end, double width,
                              TimeBracket& bracket) {
@@ -237,7 +237,7 @@ ExactResult look_for_overlap(const PartMotion& a, const PartMotion& b, double lo
 
 /// Triangles have no interior: two that cross flat share a point for one instant, which only the pose at that instant
 /// shows. They are followed in a piece so short that their corners move straight to within the motion's own error.
-/// Nothing: their numbers are out of range, or the test is undecided.
+/// Nothing if their numbers are out of range, or the test is undecided.
 std::optional<Decision> meet_in_piece(const PartMotion& a, const PartMotion& b, double low, double then, double width,
                                       TimeBracket& bracket) {
   const auto moving = [&](const PartMotion& part) {
@@ -281,8 +281,8 @@ std::optional<ExactResult> past_triangle(const PartMotion& a, const PartMotion& 
   return std::nullopt;
 }
 
-/// The exact answer over the whole motion of two parts that do not rotate; nothing where there is none. `low`: no
-/// contact before it.
+/// The exact answer over the whole motion of two parts that do not rotate; nothing if there is none. `low`: no contact
+/// before it.
 std::optional<ExactResult> exactly(const PartMotion& a, const PartMotion& b, double low, double width,
                                    TimeBracket& bracket) {
   if (turn(a, b) || kernel::precision.highest != Level::rational) return std::nullopt;
@@ -303,7 +303,7 @@ std::optional<ExactResult> exactly(const PartMotion& a, const PartMotion& b, dou
   return verdict;
 }
 
-/// Decides where the separating planes found so far prove nothing more: the parts touch, or are closer than planes can
+/// Decides if the separating planes found so far prove nothing more: the parts touch, or are closer than planes can
 /// show.
 ExactResult decide_graze(const Advance& advance, const PartMotion& a, const PartMotion& b, double low, TimeSpan span,
                          double width, TimeBracket& bracket) {
@@ -324,7 +324,7 @@ ExactResult decide_graze(const Advance& advance, const PartMotion& a, const Part
   if (are_given(a, b) && !has_rationals) return {Decision::undecided, Level::filter};
   TimeBracket exact;
   if (const std::optional<ExactResult> verdict = exactly(a, b, low, width, exact)) {
-    // Of two that go straight and met before the span: they touch where it begins, or they have parted for good.
+    // Two that move straight and met before the span touch at its beginning, or have separated for good.
     if (verdict->yes() && exact.high < span.low) return at_once();
     const bool is_before = verdict->yes() && exact.low <= end;
     // A contact before `low` comes from rounding the ends.
@@ -335,8 +335,8 @@ ExactResult decide_graze(const Advance& advance, const PartMotion& a, const Part
   return verdict.yes() ? verdict : look_for_overlap(a, b, low, end, width, bracket);
 }
 
-/// Raises the lower end of a bracket by further planes, and lowers its upper end by overlaps found on the way, until it is
-/// as narrow as asked or no plane is found.
+/// Raises the lower end of a bracket by further planes, and lowers its upper end by overlaps found on the way, until it
+/// is narrow enough or no plane is found.
 void narrow(const Advance& advance, double width, TimeBracket& bracket) {
   Vec3 normal = Vec3::Zero();
   for (int step = 0; step < kMostNarrowing && bracket.high - bracket.low > width; ++step) {
@@ -416,7 +416,7 @@ ExactResult first_contact(const PartMotion& a, const PartMotion& b, TimeSpan spa
     const double ahead = advance.parted_for(normal, gap_m, low, span.high);
     if (ahead == kForever || low + ahead >= span.high) return {Decision::no, Level::filter};
     const double before = low;
-    // Stay short of it: at the contact itself no plane would be certain any more.
+    // Stays short of it: at the contact itself no plane would be certain any more.
     low += ahead > width ? ahead - width / 4 : ahead * kShy;
     const double then = std::min(low + width * 0.9375, span.high);
     const ExactResult verdict = advance.touch_at(then);

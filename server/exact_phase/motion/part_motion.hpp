@@ -11,7 +11,7 @@
 
 namespace collided::engine {
 
-/// A bounded convex part of a body, in the body's frame: a primitive but a half-space, or a triangle.
+/// A bounded convex part of a body, in the body's frame: any primitive but a half-space, or a triangle.
 using BoundedPart = std::variant<Sphere, Box, Capsule, Cylinder, Cone, Ellipsoid, Hull, Triangle>;
 
 /// The primitive as a part; not for a half-space, which has no bounds (ground_motion.hpp).
@@ -21,8 +21,8 @@ BoundedPart part_of(const Primitive& primitive);
 struct PartMotion {
   BoundedPart own;
   const BodyMotion* motion = nullptr;
-  double reach_m = 0;    // no point of the part is farther from the frame's origin, metres; BodyMotion::lever_m of that
-  double placing_m = 0;  // how far it may be, as placed, from where the pose given has it; BodyMotion::placing_m
+  double reach_m = 0;    // largest distance of a point from the frame's origin, metres, as BodyMotion::lever_m
+  double placing_m = 0;  // bound on its placing error relative to the given pose; BodyMotion::placing_m
 
   PartMotion(BoundedPart part, const BodyMotion& on);
   /// The part at time t, in world coordinates.
@@ -30,7 +30,7 @@ struct PartMotion {
   ConvexPart placed_at(double t) const;
 };
 
-/// A part where its motion begins: placed, in its own frame, and as it was given (without a pose: as placed).
+/// A part at the beginning of its motion: placed, in its own frame, and as given (without a pose: as placed).
 struct PartAsGiven {
   ConvexPart placed;
   ConvexPart own;
@@ -49,25 +49,25 @@ struct TimeSpan {
 
 /// Whether two convex parts meet during their motions within the span, and a bracket of the first contact: no contact
 /// from span.low to bracket.low; contact of the parts placed at bracket.high by the exact test (for two triangles: at
-/// some time up to it). Both are span.low if they touch there. No wider than `width`, except where the first contact is
-/// a graze: then as narrow as it is known.
+/// some time up to it). Both are span.low if they touch there. No wider than `width`, except if the first contact is a
+/// graze: then as narrow as it is known.
 ///
-/// Where a pose is given and placing rounds (placing_m above 0), all this holds for the parts where the poses have them.
-/// The rest are parts that turn, and two of cylinder, cone and ellipsoid: if they come closer than placing_m, a yes is that
+/// If a pose is given and placing rounds (placing_m above 0), all this holds for the exactly placed parts. Exceptions
+/// are parts that rotate, and pairs of cylinder, cone and ellipsoid: if they come closer than placing_m, a yes is that
 /// of the placed ones.
 ///
 /// decision  yes and no are proved: a plane between the two is followed along the motion, with a bound on what the
-/// rotations can change; undecided where they come closer than rounding resolves (or than kMostSteps steps resolve) and
-/// no overlap is found. Two triangles, and a box or capsule that moves straight past a resting triangle, are then
-/// decided by the exact tests of moving_features.hpp and moving_solids.hpp, other straight motions by swept_convex.hpp
-/// error     the parts' motion is that of BodyMotion to within its error_m
+///           rotations can change; undecided if they come closer than rounding resolves (or than kMostSteps steps
+///           resolve) and no overlap is found. Two triangles, and a box or capsule that moves straight past a resting
+///           triangle, are then decided by the exact tests of moving_features.hpp and moving_solids.hpp, other straight
+///           motions by swept_convex.hpp error the parts' motion is that of BodyMotion to within its error_m
 /// threads   pure
 /// source    conservative advancement: Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996; along
 /// the normal of the nearest points: Zhang, Lee, Kim, "Interactive Continuous Collision Detection for Non-Convex
 /// Polyhedra", 2006; here a plane is tested at both ends of a step, with the bend between them
 ///
-/// looks     grows by the number of times at which the two were tested, more where that took exact arithmetic: the cost
-/// of the answer, a few microseconds each; may be null
+/// looks     grows by the number of times at which the two were tested, more for exact arithmetic: the cost of the
+///           answer, a few microseconds each; may be null
 ExactResult first_contact(const PartMotion& a, const PartMotion& b, TimeSpan span, double width, TimeBracket& bracket,
                           std::uint32_t* looks = nullptr);
 

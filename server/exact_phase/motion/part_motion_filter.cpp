@@ -11,10 +11,10 @@
 namespace collided::engine::kernel {
 namespace {
 
-/// Roundings of a gap along a vector taken as it is, relative to the largest coordinates of what is between the cores and
-/// to their sizes: a difference, a product of three terms and those with a box's axes, the vector's length and a quotient
-/// leave less than 64 of sqrt(3) times those. No unit.
-/// At zero, PartMotionFilters.ATouchOfALargeFaceIsNeverSurelyApart fails.
+/// Roundings of a gap along a vector taken as exact, relative to the largest coordinates of differences between the
+/// cores and to their sizes: a difference, a product of three terms and those with a box's axes, the vector's length
+/// and a quotient leave less than 64 of sqrt(3) times those. No unit. At zero,
+/// PartMotionFilters.ATouchOfALargeFaceIsNeverSurelyApart fails.
 constexpr double kGapError = 128 * kRoundoff;
 
 Triple column(const Mat3& m, int i) { return {m(0, i), m(1, i), m(2, i)}; }
@@ -28,7 +28,7 @@ double size_of(const Core& core) {
   return size;
 }
 
-/// How far the core reaches along n from its first point, without its ball.
+/// The reach of the core along n from its first point, without its ball.
 double reach_along(const Core& core, const Triple& n) {
   double most = 0;
   for (int i = 1; i < core.point_count; ++i) most = std::max(most, dot(n, edge_of(core, 0, i)));
@@ -87,7 +87,7 @@ bool surely_apart(const MovingCore& a, const MovingCore& b) {
   const Core& core_b = b.at_high;
   const bool a_is_triangle = core_a.point_count == 3;
   const bool b_is_triangle = core_b.point_count == 3;
-  // From the nearest point of a triangle to the other's middle: what parts most, for round and small parts.
+  // From the nearest point of a triangle to the other's middle: the best direction for round and small parts.
   if (b_is_triangle && !a_is_triangle) {
     const Triangle other{core_b.point[0], core_b.point[1], core_b.point[2]};
     if (parts(triple(quick_nearest_point(core_a.point[0], other) - core_a.point[0]))) return true;

@@ -8,16 +8,16 @@
 
 namespace collided::engine::kernel {
 
-/// Whether two convex sets share a point at any time of a straight motion: what a convex set sweeps is convex, with
-/// corners and faces of its kind.
+/// Whether two convex sets share a point at any time of a straight motion: the volume swept by a convex set is convex,
+/// with corners and faces of the same kinds.
 ///
-/// a, b     placed where the motion begins
-/// returns  undecided for two sets with round parts other than balls, and for a ball or capsule against one of them
+/// a, b     placed at the beginning of the motion
+/// returns  undecided for two sets with round parts other than balls, and for a ball or capsule against such a set
 /// cost     0.1 to 10 ms; allocates
 ExactResult meet_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion);
 
-/// The same up to motion.until, with a bracket of the first contact, no wider than `width`. `guess` is an approximate
-/// time and decides nothing. The bracket is unchanged unless the answer is yes.
+/// Decides up to motion.until, with a bracket of the first contact, no wider than `width`. `guess` is an approximate
+/// time and affects no decision. The bracket is unchanged unless the answer is yes.
 ExactResult first_contact_on_motion(const Convex& a, const Convex& b, const StraightMotion& motion, double guess,
                                     double width, TimeBracket& bracket);
 

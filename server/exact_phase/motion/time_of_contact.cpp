@@ -89,7 +89,7 @@ double gap_at(const MovingSphere& mover, double t, const Shape& other, double& s
 }
 
 /// An approximation of the first time, by Newton's method: along a line the distance to a convex set is convex, so the
-/// steps approach the contact from before and pass it only by rounding. Decides nothing.
+/// steps approach the contact from before and pass it only by rounding. No decision depends on it.
 template <class Shape>
 double guessed_time(const MovingSphere& mover, const Shape& other) {
   double t = 0;
@@ -104,7 +104,7 @@ double guessed_time(const MovingSphere& mover, const Shape& other) {
   return t;
 }
 
-/// Of two spheres the first root of a quadratic, in the form that loses no digits.
+/// For two spheres the first root of a quadratic, in the form that loses no digits.
 double guessed_time(const MovingSphere& mover, const Sphere& other) {
   const Vec3 step = mover.end - mover.start;
   const Vec3 away = mover.start - other.center;

@@ -13,7 +13,7 @@ struct MovingSphere {
   double radius_m = 0;
 };
 
-/// The same motion in coordinates that count from the origin (common_origin.hpp).
+/// The motion in coordinates relative to the origin (common_origin.hpp).
 inline MovingSphere seen_from(const Vec3& origin, const MovingSphere& mover) {
   return {.start = seen_from(origin, mover.start), .end = seen_from(origin, mover.end), .radius_m = mover.radius_m};
 }
