@@ -47,8 +47,8 @@ Decision is_within(RealRoot& root, const std::vector<ExactRayPolynomial>& limits
   return all.result();
 }
 
-/// Where a ray that lies in the surface enters the box: at its start, or at the one plane that it crosses inward and
-/// that is within all others.
+/// The point at which a ray within the surface enters the box: its start, or the one plane that it crosses inward
+/// inside all others.
 Decision first_within(const std::vector<ExactRayPolynomial>& limits, std::vector<RealRoot>& entry) {
   entry.emplace_back(Dyadic());
   Decision within = is_within(entry.back(), limits);

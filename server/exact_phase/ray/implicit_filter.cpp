@@ -22,7 +22,7 @@ double sum_down(double a, double b) {
 double sum_up(double a, double b) { return -sum_down(-a, -b); }
 
 /// The part of the ray in which a hit may be: it begins in [entry_low, entry_high] and ends in [exit_low, exit_high],
-/// both infinite where nothing ends it. Written so that NaN makes nothing certain.
+/// both infinite if nothing ends it. Written so that NaN makes nothing certain.
 struct HitRange {
   double entry_low = 0;
   double entry_high = 0;
@@ -58,7 +58,7 @@ HitRange range_of(const Ray& ray, const ImplicitSurface& surface) {
 }
 
 /// The ray restarted at another of its points, so that f is evaluated near the surface: the parameter is shift + s. Far
-/// from the surface, powers of the parameter would cancel all digits that decide.
+/// from the surface, powers of the parameter would cancel all deciding digits.
 struct Shifted {
   double shift = 0;
   Vector<Bounded> origin;
@@ -93,13 +93,12 @@ Shifted shifted(const Ray& ray, const ImplicitSurface& surface) {
     *component[axis] = moved(ray.origin[axis], t, ray.direction[axis]);
     size_there = std::max(size_there, std::abs(component[axis]->value));
   }
-  // Nothing is gained where the surface is as far from the frame's origin as the ray.
+  // Nothing is gained if the surface is as far from the frame's origin as the ray.
   if (!(size_there * kWorthIt < ray.origin.cwiseAbs().maxCoeff())) return as_it_is;
   return {t, there, as_it_is.direction};
 }
 
-/// A power of two above every |root|, infinite where that is uncertain. Fujiwara's bound: 2 max |c_k / c_n|^(1 / (n -
-/// k)).
+/// A power of two above every |root|, infinite if that is uncertain. Fujiwara's bound: 2 max |c_k / c_n|^(1 / (n - k)).
 double root_bound(const Along& p) {
   const int n = p.count() - 1;
   const double lead = std::abs(p[n].value) - p[n].bound() * (1 + kBoundSlack);
@@ -122,11 +121,11 @@ double root_bound(const Along& p) {
   return std::ldexp(1.0, std::max(power + 2, -1000));
 }
 
-/// The largest number of sign changes that the coefficients may have, whatever the unsure ones are.
+/// The largest number of sign changes that the coefficients may have, whatever the unsure signs are.
 int most_sign_changes(const Along::Coefficients& coefficient, int count) {
   constexpr int kNever = -100;
   int up = kNever;    // the most changes if the last sign other than zero is positive
-  int down = kNever;  // the same if it is negative
+  int down = kNever;  // if it is negative
   for (int j = 0; j < count; ++j) {
     const Sign s = sign(coefficient[j]);
     const int next_up = std::max({up, down + 1, 0});
@@ -171,8 +170,7 @@ class RootSearch {
  private:
   static bool is_sure(Sign s) { return s == Sign::positive || s == Sign::negative; }
 
-  /// Avoids the middle, where symmetrical scenes have their roots. False where neither of two places has a certain
-  /// sign.
+  /// Avoids the middle, where symmetrical scenes have their roots. False if neither of two places has a certain sign.
   bool split(const ValueSpan& span) {
     if (count_ + 2 > static_cast<int>(left_.size())) return false;
     for (const double share : {0.46875, 0.5390625}) {
@@ -193,7 +191,8 @@ class RootSearch {
   int steps_ = 0;
 };
 
-/// An approximation of the root: Newton's steps while they stay between the signs, otherwise halving. Decides nothing.
+/// An approximation of the root: Newton's steps while they stay between the signs, otherwise halving. No decision
+/// depends on it.
 double guessed_root(const Along& p, ValueSpan span, bool rises) {
   double t = span.low + (span.high - span.low) / 2;
   for (int step = 0; step < 64; ++step) {

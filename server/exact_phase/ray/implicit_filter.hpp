@@ -5,7 +5,7 @@
 
 namespace collided::engine::kernel {
 
-/// Where a ray first meets an implicit surface, as far as double can tell.
+/// The point where a ray first meets an implicit surface, as far as double can decide.
 struct FilteredMeeting {
   Decision meets = Decision::undecided;
   double low = 0;  // the parameter is in [low, high]

@@ -20,7 +20,7 @@ Scaled length_of_direction(const Ray& ray) {
   std::frexp(largest, &power);
   Bounded sum;
   for (const double component : ray.direction) {
-    // What underflows here is below 2^-1000 of the sum.
+    // Terms that underflow here are below 2^-1000 of the sum.
     const Bounded c(std::ldexp(component, -power));
     sum = sum + c * c;
   }

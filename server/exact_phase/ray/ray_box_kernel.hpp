@@ -8,7 +8,7 @@
 namespace collided::engine::kernel {
 
 /// One pair of faces: the ray is between them while near <= s * speed <= far, with speed >= 0. At speed 0 the two are
-/// the distances to the faces, of which only the signs matter.
+/// the distances to the faces, of which only the signs are used.
 template <class N>
 struct Slab {
   N near;
@@ -73,7 +73,7 @@ struct BoxCrossing {
   bool inside = false;
 };
 
-/// The latest entry and the earliest exit; where two compete, the bound covers both.
+/// The latest entry and the earliest exit; if two compete, the bound covers both.
 template <class N>
 void cross_slabs(const Ray& ray, const Solid<N>& box, const std::array<Slab<N>, 3>& slabs, BoxCrossing& crossing) {
   const Scaled length = length_of<N>(ray);

@@ -7,7 +7,7 @@
 
 namespace collided::engine::kernel {
 
-// What every solid reports once a ray meets it.
+// Results common to all solids that a ray meets.
 
 template <class N>
 Scaled length_of(const Ray& ray) {
@@ -22,14 +22,14 @@ inline void set_interval(const Ray& ray, bool inside, const Bounded& first, cons
   hit.distance_m = inside ? 0.0 : first.value;
   hit.distance_error_m = inside ? 0.0 : first.bound();
   hit.exit_m = std::max(exit.value, hit.distance_m);
-  // Where rounding put the two in the wrong order, the truth is between the exit's value and the entry's bound.
+  // If rounding put the two in the wrong order, the truth is between the exit's value and the entry's bound.
   hit.exit_error_m = exit.bound() + (hit.exit_m - exit.value);
   hit.point = inside ? ray.origin : at_distance(ray, first.value);
   hit.weights = Vec3::Zero();
 }
 
-/// Sets the normal: outward at the exit for a start inside, else against the ray; `outward` is zero where the shape
-/// gives no direction.
+/// Sets the normal: outward at the exit for a start inside, else against the ray; `outward` is zero if the shape gives
+/// no direction.
 inline void set_normal(const Ray& ray, const Vec3& outward, RayHit& hit) {
   const Vec3 direction = unit(ray.direction);
   const Vec3 normal = unit(outward);

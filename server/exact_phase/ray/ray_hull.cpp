@@ -16,7 +16,7 @@ Triangle face_of(const Hull& hull, const TriangleCorners& corner) {
   return {vertex_of(hull, corner[0]), vertex_of(hull, corner[1]), vertex_of(hull, corner[2])};
 }
 
-/// Whether the point is in front of no face.
+/// Whether the point is behind all faces or on them.
 ExactResult behind_all_faces(const Hull& hull, const Vec3& point) {
   ExactResult all{Decision::yes, Level::filter};
   for (const TriangleCorners& corner : hull.mesh->triangles) {

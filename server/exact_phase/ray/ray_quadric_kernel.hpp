@@ -86,8 +86,8 @@ Decision two_roots_not_negative(const N& p, const N& q, const N& r, const N& s, 
                                   : root_sum_not_negative(-squares, mixed, s);
 }
 
-/// Where the ray's line crosses the wall, inward (side +1) or outward (-1): (-b - side sqrt(D)) / a, or -c / 2 b where
-/// the quadric is linear (a = 0).
+/// Where the ray's line crosses the wall, inward (side +1) or outward (-1): (-b - side sqrt(D)) / a, or -c / 2 b if the
+/// quadric is linear (a = 0).
 template <class N>
 class WallRoot {
  public:
@@ -116,7 +116,7 @@ class WallRoot {
     const N turn(sign_a_ == Sign::negative ? -1.0 : 1.0);
     return two_roots_not_negative(turn, wall_.discriminant * dd, turn * wall_.b, dd, limit * (turn * wall_.a));
   }
-  /// By whichever of the two forms adds rather than cancels.
+  /// Uses the one of the two forms that adds instead of cancelling.
   Scaled parameter() const {
     const Scaled root = side_ > 0 ? root_of_discriminant(wall_) : -root_of_discriminant(wall_);
     const bool b_down = sign(wall_.b) == Sign::negative;
@@ -145,7 +145,7 @@ Decision passes_wall(const QuadricAlong<N>& q, int side, const Ray& ray) {
   return all.result();
 }
 
-/// The same for one of the planes, within the wall and the other plane, at s = -offset / slope.
+/// Whether the ray crosses one of the planes, within the wall and the other plane, at s = -offset / slope.
 template <class N>
 Decision passes_plane(const QuadricAlong<N>& q, int number, int side, const Ray& ray) {
   const N& u = q.plane[number].offset;

@@ -27,7 +27,7 @@ Quadratic<N> ball_along(const Ray& ray, const Vec3& center, double radius_m) {
   return {dd, dot(m, d), square(m) - r2, r2 * dd - square(cross(m, d))};
 }
 
-/// The ray along a ball, with the first rung's numbers kept: the test and both distances use them.
+/// The ray along a ball, with the first rung's numbers kept for the test and both distances.
 struct BallAlong {
   const Ray& ray;
   const Vec3& center;
@@ -80,7 +80,7 @@ Scaled root_of_discriminant(const Quadratic<N>& q) {
   return sign(q.discriminant) == Sign::negative ? Scaled{} : sqrt(scaled(q.discriminant));
 }
 
-/// The first root, for b < 0 and c >= 0: c / (-b + sqrt(D)) adds where the textbook form cancels.
+/// The first root, for b < 0 and c >= 0: c / (-b + sqrt(D)) adds instead of cancelling like the textbook form.
 template <class N>
 Scaled entry(const Quadratic<N>& q) {
   if (sign(q.c) == Sign::zero) return {};
@@ -184,8 +184,8 @@ Bounded wall_exit(const Ray& ray, const Capsule& capsule) {
   const N start = dot(Vector<N>(ray.origin) - Vector<N>(capsule.a), axis);
   const N speed = dot(Vector<N>(ray.direction), axis);
   const Bounded along = plain((scaled(start) + scaled(speed) * parameter) / scaled(square(axis)));
-  // At the seam wall and ball touch: on the last rung it hardly matters on which side a rounding e puts the exit, only
-  // to e^2.
+  // At the seam wall and ball touch: on the last rung a rounding e that puts the exit on the wrong side changes it only
+  // by e^2.
   if constexpr (Inexact<N>) {
     if (!(along.low() >= 0 && along.high() <= 1) && !(along.high() < 0 || along.low() > 1)) {
       return {0, std::numeric_limits<double>::infinity()};

@@ -9,8 +9,8 @@ using kernel::WholeLadder;
 
 namespace {
 
-/// The ray's line passes by the ball, with more to spare than double rounds: some forty roundings of terms whose sizes
-/// sum to `size`. NaN and what underflows prove nothing.
+/// True if the ray's line misses the ball by more than double rounds: some forty roundings of terms whose sizes sum to
+/// `size`. NaN and underflow prove nothing.
 bool surely_passes_by(const Ray& ray, const Sphere& sphere) {
   constexpr double kRoundings = 0x1p-46;
   constexpr double kLeast = 0x1p-900;

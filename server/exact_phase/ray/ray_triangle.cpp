@@ -8,8 +8,8 @@ namespace {
 
 using namespace kernel;
 
-/// Computes in double where a ray meets the triangle's plane, for a ray known to meet the triangle. False: that is not
-/// precise enough, or the ray may lie in the plane.
+/// Computes in double where a ray meets the triangle's plane, for a ray known to meet the triangle. False if that is
+/// not precise enough, or the ray may lie in the plane.
 bool fill_sharply(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   const Facet<Traced> facet(triangle);
   const Line<Traced> line(ray);
@@ -28,7 +28,7 @@ Decision cast_over_expansions(const Ray& ray, const Triangle& triangle, RayHit& 
   return decision;
 }
 
-/// The rungs above the filter; also used where a hit is certain but its distance is not precise enough.
+/// The rungs above the filter; also used if a hit is certain but its distance is not precise enough.
 [[gnu::noinline]] ExactResult climb_higher(const Ray& ray, const Triangle& triangle, RayHit& hit) {
   Decision decision = cast_facet<Traced>(ray, triangle, hit);
   if (decision == Decision::no) return {decision, Level::filter};
@@ -71,8 +71,9 @@ bool lies_at(const Triangle& t, int axis, double coordinate) {
   return t.a[axis] == coordinate && t.b[axis] == coordinate && t.c[axis] == coordinate;
 }
 
-/// Whether both triangles lie in one plane across an axis, which the ray crosses: then it meets both in one point. Walls,
-/// floors and what stands on them tie so, and expansions would take as long to say so as a hundred rays.
+/// True if both triangles lie in one plane perpendicular to an axis, which the ray crosses: then it meets both in one
+/// point. Walls, floors and objects standing on them tie in this way, and expansions would take as long as a hundred
+/// rays to show it.
 bool meets_one_plane_of_both(const Ray& ray, const Triangle& a, const Triangle& b) {
   for (int axis = 0; axis < 3; ++axis) {
     const double coordinate = a.a[axis];
@@ -81,7 +82,7 @@ bool meets_one_plane_of_both(const Ray& ray, const Triangle& a, const Triangle& 
   return false;
 }
 
-/// Sets the order of two hits; undecided where signs are unsure.
+/// Sets the order of two hits; undecided if signs are unsure.
 template <class N>
 Decision first_is_nearer(const Ray& ray, const Triangle& a, const Triangle& b, int& order) {
   const Reach<N> reach_a = ray_to_facet(Line<N>(ray), Facet<N>(a));

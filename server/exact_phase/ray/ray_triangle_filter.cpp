@@ -16,7 +16,7 @@ HWY_BEFORE_NAMESPACE();
 namespace collided::engine::kernel::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Four lanes where the machine has them, else two halves of two, or single doubles.
+// Four lanes if the machine has them, else two halves of two, or single doubles.
 using Doubles = hn::CappedTag<double, 4>;
 using Lanes = hn::Vec<Doubles>;
 constexpr Doubles kDoubles;
@@ -46,7 +46,7 @@ HWY_INLINE Lanes corner_lanes(double a, double b, double c, [[maybe_unused]] int
   return lanes_of(a, b, c, c, first);
 }
 
-/// The same of the following corners: b, c, a, a.
+/// The following corners: b, c, a, a.
 HWY_INLINE Lanes next_lanes([[maybe_unused]] Lanes corners, double a, double b, double c, [[maybe_unused]] int first) {
 #if HWY_TARGET != HWY_SCALAR
   if constexpr (kLanes == 4) {
@@ -65,7 +65,7 @@ struct Triplet {
 HWY_INLINE Triplet minus(const Triplet& a, const Triplet& b) {
   return {hn::Sub(a.x, b.x), hn::Sub(a.y, b.y), hn::Sub(a.z, b.z)};
 }
-// kTripleProductError counts on this order of operations, without fused ones.
+// kTripleProductError assumes this order of operations, without fused ones.
 HWY_INLINE Lanes product(const Triplet& a, const Triplet& b) {
   return hn::Add(hn::Add(hn::Mul(a.x, b.x), hn::Mul(a.y, b.y)), hn::Mul(a.z, b.z));
 }
@@ -88,18 +88,18 @@ struct alignas(32) RaySides {
 
 /// Corners without an error.
 struct NotOff {};
-/// Corners with an error of at most that.
+/// Corners with at most this error.
 struct OffBy {
   double off_m;
 };
 
-/// Square of what a side may be off by, at least: |direction| (|edge| + 2 |corner| + 2 off_m) off_m.
+/// Upper bound on the square of a side's error: |direction| (|edge| + 2 |corner| + 2 off_m) off_m.
 HWY_INLINE double side_off2(OffBy by, double edges2, double corners2, double direction2) {
   const double off2 = by.off_m * by.off_m;
   return direction2 * off2 * (3 * edges2 + 12 * corners2 + 12 * off2) * (1 + kBoundSlack);
 }
 
-/// hit: the line surely meets the triangle's inside.
+/// hit: the line certainly meets the triangle's interior.
 template <class Off>
 HWY_INLINE FilterVerdict sides_of(const Ray& ray, const Triangle& t, [[maybe_unused]] Off by, RaySides& out) {
   Lanes side[4 / kLanes];
@@ -154,7 +154,7 @@ HWY_INLINE FilterVerdict sides_of(const Ray& ray, const Triangle& t, [[maybe_unu
   return all_above || all_below ? FilterVerdict::hit : FilterVerdict::unsure;
 }
 
-/// The quotients of the numbers, which take as long together as one of them.
+/// Divides the numbers pairwise, which takes as long as a single quotient.
 HWY_INLINE void divide(const double (&above)[4], const double (&below)[4], double* out) {
   for (int first = 0; first < 4; first += kLanes) {
     const Lanes upper = lanes_of(above[0], above[1], above[2], above[3], first);
@@ -174,7 +174,7 @@ HWY_INLINE QuotientOff quotient_off(OffBy by, double ab2, double ca2, double to_
           length * normal_off * (1 + kBoundSlack)};
 }
 
-/// Where a line that surely meets the triangle's inside meets it, and whether that is within the ray.
+/// Where a line that certainly meets the triangle's interior meets it, and whether that is within the ray.
 template <class Off>
 HWY_INLINE FilterVerdict place_hit(const Ray& ray, const Triangle& triangle, const RaySides& s, [[maybe_unused]] Off by,
                                    RayHit& hit) {
@@ -203,7 +203,7 @@ HWY_INLINE FilterVerdict place_hit(const Ray& ray, const Triangle& triangle, con
     const double share = (off.numerator + numerator_error) / std::abs(numerator);
     const double below = (off.denominator + denominator_error) / size;
     if (!(share < 1) || !(below < 0.5)) return FilterVerdict::unsure;
-    // How far the parameter may be off, as a share of it; twice that leaves room for the roundings of what follows.
+    // Bound on the parameter's error, relative to it; twice that leaves room for the following roundings.
     const double most_m = std::abs(numerator / denominator) * length;
     const double off_m = 2 * most_m * (share + below) / (1 - below);
     const bool is_ahead = (numerator > 0) == (denominator > 0);
@@ -212,13 +212,13 @@ HWY_INLINE FilterVerdict place_hit(const Ray& ray, const Triangle& triangle, con
   if (!(std::abs(numerator) > numerator_error) || !(size > 2 * denominator_error)) return FilterVerdict::unsure;
   if ((numerator > 0) != (denominator > 0)) return FilterVerdict::miss;
   const double sides = s.side[1] + s.side[2] + s.side[0];
-  HWY_ALIGN double found[4];  // the parameter, what makes the normal a unit vector, the first two weights
-  const double against = std::copysign(1.0, -denominator);  // without a branch, which nothing could predict
+  HWY_ALIGN double found[4];  // the parameter, the factor that makes the normal a unit vector, the first two weights
+  const double against = std::copysign(1.0, -denominator);  // without a branch, which would be unpredictable
   divide({numerator, against, s.side[1], s.side[2]}, {denominator, root[3], sides, sides}, found);
   HWY_ALIGN double part[4];  // relative errors
   divide({numerator_error, denominator_error, 0, 0}, {std::abs(numerator), size, 1, 1}, part);
   const double distance = found[0] * length;
-  // A quotient whose terms have relative errors n and d errs by (n + d) / (1 - d); then come quotient, norm and
+  // A quotient whose terms have relative errors n and d errs by (n + d) / (1 - d); then follow quotient, norm and
   // product.
   const double relative = (part[0] + part[1]) / (1 - part[1]) * (1 + kBoundSlack) + 8 * kRoundoff;
   const double error = distance * relative;

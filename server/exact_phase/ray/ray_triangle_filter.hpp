@@ -6,16 +6,16 @@
 
 namespace collided::engine::kernel {
 
-/// What double with its error bound says about a ray and a triangle. blunt: the ray surely meets it, but the distance is
-/// not as precise as the thread's Precision asks.
+/// The verdict of double with its error bound about a ray and a triangle. blunt: the ray certainly meets it, but the
+/// distance is less precise than the thread's Precision requires.
 enum class FilterVerdict : int { miss, hit, blunt, unsure };
 
 /// The first rung of cast_ray: decides nearly all rays. Fills `hit` on FilterVerdict::hit only.
 ///
 /// SIMD, chosen at run time; every variant runs the same operations in the same order, so all give the same bits.
 FilterVerdict filter_ray(const Ray& ray, const Triangle& triangle, RayHit& hit);
-/// The same, where miss and hit hold for every triangle whose corners are off from this one's by at most off_m. The hit is
-/// that of this one.
+/// Miss and hit hold for every triangle whose corners are off from this one's by at most off_m. The hit is that of this
+/// one.
 FilterVerdict filter_ray_within(const Ray& ray, const Triangle& triangle, double off_m, RayHit& hit);
 
 }  // namespace collided::engine::kernel

@@ -15,18 +15,18 @@ inline Vec3 weights_of_parts(double a, double b) {
   return {weight_a, weight_b, 1.0 - (weight_a + weight_b)};
 }
 
-/// The same from numbers in their ratio.
+/// Weights from numbers in their ratio.
 inline Vec3 normalized_weights(double a, double b, double c) {
   const double sum = a + b + c;
   return weights_of_parts(a / sum, b / sum);
 }
 
-/// Of corners scaled to 1: an area or product below this is roundings for the most part (a few 1e-16 each, three digits
-/// are to be left). Weights alone depend on it.
+/// For corners scaled to 1: an area or product below this is mostly rounding (a few 1e-16 each, with three digits
+/// left). It affects weights only.
 inline constexpr double kFlat = 1e-12;
 
-/// Barycentric weights of a point of the triangle, for a ray that gives none: it lies in the plane, or there is no
-/// plane.
+/// Barycentric weights of a point of the triangle, for a ray that gives none: it lies in the plane, or the triangle
+/// spans no plane.
 inline Vec3 weights_of(const Vec3& point, const Triangle& t) {
   const Vec3 corner[3] = {t.a - point, t.b - point, t.c - point};
   const double scale = std::max({corner[0].cwiseAbs().maxCoeff(), corner[1].cwiseAbs().maxCoeff(),

@@ -55,9 +55,9 @@ struct SeenBall {
     const Dyadic reach = solid.radius + ball;
     return at_most(across2, reach * reach * solid.length2);
   }
-  /// Whether the ball reaches the side from outside. In the plane of axis and centre the side runs from (0, 0) to (l, R);
-  /// the centre is at (along / l, s / l^2), s being the root of across2 l^2. It must be outside of the side's line and its
-  /// foot on the side: below the base of a flat cone there are points whose foot is on the side, but from within.
+  /// Whether the ball reaches the side from outside. In the plane of axis and centre the side runs from (0, 0) to (l,
+  /// R); the centre is at (along / l, s / l^2), s being the root of across2 l^2. It must be outside of the side's line
+  /// and its foot on the side: below the base of a flat cone some points have their foot on the side, but from within.
   bool reaches_slant() const {
     const Dyadic& R = solid.radius;
     const Dyadic& l2 = solid.length2;
@@ -92,7 +92,7 @@ bool has_side(const ExactSolid& set) {
   return set.kind == ExactSolid::Kind::capsule || (set.kind == ExactSolid::Kind::axial && !set.tapers());
 }
 
-/// Tests feature by feature, each with the ladder from double upward, until one says yes.
+/// Tests feature by feature, each with the ladder from double upward, until one is yes.
 class AxialAgainstFeatures {
  public:
   AxialAgainstFeatures(const Convex& axial, const Convex& flat, const FlatFeatures& features)
@@ -104,8 +104,8 @@ class AxialAgainstFeatures {
     return all_;
   }
 
-  /// A moving flat set covers its features at both ends and what its corners and edges sweep; those of them that lie
-  /// inside do no harm.
+  /// Tests the features of a moving flat set at both ends and what its corners and edges sweep; those that lie inside
+  /// do no harm.
   ExactResult meet_on(const StraightMotion& motion) {
     if (ask_standing(nullptr) || ask_standing(&motion)) return all_;
     for (std::uint32_t i = 0; i < features_.corner_count(); ++i) {
@@ -121,7 +121,7 @@ class AxialAgainstFeatures {
   }
 
  private:
-  /// A corner where the motion begins, or where it ends.
+  /// A corner at the beginning or the end of the motion.
   struct At {
     std::uint32_t corner = 0;
     const StraightMotion* motion = nullptr;
@@ -200,8 +200,8 @@ Decision axial_meets_ball(const ExactSolid& axial, const Vector<Dyadic>& center,
 }
 
 /// Between the feet of the shortest connection of the two lines there is a point of both sets, if each foot is within
-/// its segment and the connection is no longer than the radii. For parallel axes: any place where both segments run
-/// side by side.
+/// its segment and the connection is no longer than the radii. For parallel axes: any place at which both segments
+/// overlap.
 Decision sides_meet(const ExactSolid& a, const ExactSolid& b) {
   if (!has_side(a) || !has_side(b)) return Decision::undecided;
   const LateralSurface of_a(a);
@@ -245,7 +245,7 @@ Decision parallel_axials_meet(const ExactSolid& a, const ExactSolid& b) {
   const Dyadic high = min(length2, max(begin, begin + rise));
   if ((high - low).sign() < 0) return Decision::no;
   const Dyadic apart2 = square(cross(w, of_a.axis));
-  // Radii times length2 and rise, which is negative where the axes are opposite.
+  // Radii times length2 and rise, which is negative if the axes are opposite.
   const auto meet_at = [&](const Dyadic& height) {
     const Dyadic radius_a = of_a.radius * (of_a.tapers ? height : length2);
     const Dyadic radius_b = of_b.radius * (of_b.tapers ? height - begin : rise);

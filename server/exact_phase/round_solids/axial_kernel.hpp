@@ -7,7 +7,7 @@
 
 namespace collided::engine::kernel {
 
-// Cylinders and cones against the features of a polytope, over any number type. Where such a solid meets a polytope, it
+// Cylinders and cones against the features of a polytope, over any number type. If such a solid meets a polytope, it
 // meets an edge; or, if none, it cuts a face strictly inside its rim; or, if none, it lies within the polytope.
 
 /// A cylinder with its axis starting at the origin, or a cone with its apex there.
@@ -27,8 +27,8 @@ struct AxialSolid {
       : axis(set.axis()), length2(square(axis)), radius(set.radius), tapers(set.tapers()) {}
 };
 
-/// A point's position about the axis: its component along it, and its cross product with it, which is the perpendicular
-/// part times the axis' length.
+/// A point's position relative to the axis: its component along it, and its cross product with it, which is the
+/// perpendicular part times the axis' length.
 template <class N>
 struct AboutAxis {
   N along;
@@ -61,7 +61,7 @@ struct Clip {
   SegmentWeights<N> low{N(1.0), N(0.0)};
   SegmentWeights<N> high{N(0.0), N(1.0)};
 
-  /// p and q: how far the segment's ends are behind a plane; the part in front of it is dropped.
+  /// p and q: how far the segment's ends are behind a plane; drops the part in front of it.
   void keep_behind(const N& p, const N& q) {
     if (is_any != Decision::yes) return;
     // Distances of the ends of the remaining part.
@@ -114,8 +114,8 @@ struct Quotient {
   N divisor;
 };
 
-/// A point that the solid and the plane through `on` with normal n share. No: they share none. Unless an edge meets the
-/// solid, everything they share lies on one side of it, so this point stands for all.
+/// A point that the solid shares with the plane through `on` with normal n. No: they share none. Unless an edge meets
+/// the solid, everything that they share lies on one side of it, so this point represents all.
 template <class N>
 Decision point_on_plane(const AxialSolid<N>& solid, const Vector<N>& n, const Vector<N>& on, Quotient<N>& point) {
   const N at_from = -dot(n, on);

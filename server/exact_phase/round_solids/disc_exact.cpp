@@ -7,7 +7,7 @@ namespace {
 
 using Point = Vector<Dyadic>;
 
-/// Whether |g| <= sqrt(p) + sqrt(q); no where there is no root.
+/// Whether |g| <= sqrt(p) + sqrt(q); no if a root does not exist.
 bool within_roots(const Dyadic& g, const Dyadic& p, const Dyadic& q) {
   if (p.sign() < 0 || q.sign() < 0) return false;
   const Dyadic rest = g * g - p - q;
@@ -37,7 +37,7 @@ Decision discs_meet(const ExactSolid& a, int end_a, const ExactSolid& b, int end
   return decided(within_roots(dot(w, line), piece_a, piece_b));
 }
 
-/// The disc's plane cuts the infinite cylinder in an ellipse, or in a strip where it is parallel to the axis.
+/// The disc's plane cuts the infinite cylinder in an ellipse, or in a strip if it is parallel to the axis.
 Decision disc_meets_endless(const ExactSolid& cylinder, int end, const ExactSolid& side) {
   const AcrossAxis disc(cylinder, end);
   const AcrossAxis other(side, 0);

@@ -4,7 +4,7 @@
 
 namespace collided::engine::kernel {
 
-// The flat ends of cylinders, which are discs, by rationals alone. Undecided only where a number is not finite.
+// The flat ends of cylinders, which are discs, by rationals alone. Undecided only if a number is not finite.
 
 /// Whether the discs at one end each of two cylinders' axes share a point.
 Decision discs_meet(const ExactSolid& a, int end_a, const ExactSolid& b, int end_b);

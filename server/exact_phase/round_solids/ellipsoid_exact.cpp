@@ -82,7 +82,7 @@ Decision ellipsoid_meets_disc(const ExactSolid& ellipsoid, const ExactSolid& cyl
     for (std::size_t j = 0; j < 3; ++j) section[i][j] = dot(column[i], column[j]);
   }
   section[2][2] = section[2][2] - ball.size * ball.size;
-  // The plane's distance from the centre, in the coordinates where the ellipsoid is a ball: squared, times normal^2.
+  // The plane's squared distance from the centre, in the coordinates in which the ellipsoid is a ball, times normal^2.
   const Point normal = cross(column[0], column[1]);
   const Dyadic height = dot(normal, column[2]);
   const int room = (ball.size * ball.size * square(normal) - height * height).sign();

@@ -8,8 +8,8 @@ namespace collided::engine::kernel {
 /// Whether an ellipsoid and a point, segment, triangle, box or hull share a point: in the ellipsoid's own coordinates
 /// it is a ball. By rationals alone.
 ///
-/// motion   test any time of the ellipsoid's motion against the other; null: as they stand
-/// returns  undecided only where a number is not finite or the ellipsoid is flat
+/// motion test any time of the ellipsoid's motion relative to the other; null: both at rest
+/// returns  undecided only if a number is not finite or the ellipsoid is flat
 Decision ellipsoid_meets_flat(const Convex& ellipsoid, const Convex& flat, const StraightMotion* motion = nullptr);
 
 /// Whether an ellipsoid and the hull of some points share a point.
@@ -17,8 +17,8 @@ Decision ellipsoid_meets_hull(const ExactSolid& ellipsoid, const std::vector<Vec
 
 /// Two ellipsoids; either may be a ball; both must have extent. By rationals alone.
 ///
-/// source  Wang, Wang, Kim, "An algebraic condition for the separation of two ellipsoids", 2001: they are separate
-/// where det(x A + B) has two different positive roots
+/// source  Wang, Wang, Kim, "An algebraic condition for the separation of two ellipsoids", 2001: they are separate if
+///         det(x A + B) has two different positive roots
 Decision ellipsoids_meet(const ExactSolid& a, const ExactSolid& b);
 
 /// Whether an ellipsoid meets the disc at one end of a cylinder's axis.

@@ -25,8 +25,8 @@ bool is_in_front(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d) {
   return dot(n, Vector<Dyadic>(d) - from).sign() > 0;
 }
 
-/// Whether faces that were a convex surface still are one after each corner was rounded on its own: every face has
-/// area, and none has its neighbour's corner in front (local convexity of a closed surface makes the whole convex).
+/// True if faces of a convex surface still form one after each corner was rounded separately: every face has area, and
+/// none has its neighbour's corner in front (local convexity of a closed surface makes the whole convex).
 bool is_still_convex(const std::vector<Vec3>& corners, const std::vector<TriangleCorners>& faces) {
   std::vector<FaceSide> sides;
   for (std::uint32_t face = 0; face < faces.size(); ++face) {

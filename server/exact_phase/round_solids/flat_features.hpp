@@ -30,9 +30,9 @@ class FlatFeatures {
   using Edge = FlatBorder::Edge;
   using Face = FlatBorder::Face;
 
-  /// Nothing where a hull's placed corners do not span space, or where they are more than kMostRebuilt and rounding
-  /// made its faces not convex any more.
-  /// cost  a hull: its faces, allocates; where rounding has bent them, corners times faces
+  /// Nothing if a hull's placed corners do not span space, or if they are more than kMostRebuilt and rounding made its
+  /// faces non-convex.
+  /// cost  a hull: its faces, allocates; if rounding has bent them, corners times faces
   static std::optional<FlatFeatures> of(const Convex& set);
 
   const FlatBorder& border() const { return border_; }

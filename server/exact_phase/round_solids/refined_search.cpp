@@ -16,7 +16,7 @@ LongPoint cut(const Point& p) { return {LongFloat(p.x), LongFloat(p.y), LongFloa
 Point exact(const LongPoint& p) { return {p.x.exact(), p.y.exact(), p.z.exact()}; }
 bool is_zero(const LongFloat& x) { return x.sign() == 0; }
 
-/// A set in 256 bits, seen from a place near to it.
+/// A set in 256 bits, relative to a place nearby.
 class Supported {
  public:
   Supported(const ExactSolid& set, const Point& from) : set_(set), radius_(set.radius) {
@@ -25,7 +25,7 @@ class Supported {
     if (set.kind == Kind::axial) axis_ = cut(set.axis());
   }
 
-  /// About the farthest point along n, which is not zero.
+  /// Approximate farthest point along n, which must not be zero.
   LongPoint farthest(const LongPoint& n) const {
     switch (set_.kind) {
       case Kind::axial: return of_axial(n);
@@ -54,7 +54,7 @@ class Supported {
   LongPoint of_axial(const LongPoint& n) const {
     const LongPoint across = square(axis_) * n - dot(axis_, n) * axis_;
     const LongFloat across2 = square(across);
-    // Along the axis, but for what 256 bits leave of the difference, the whole disc is as far.
+    // Along the axis, up to the 256 bits of the difference, the whole disc is equally far.
     const LongFloat whole2 = square(axis_) * square(axis_) * square(n);
     const bool is_along = (across2 - LongFloat(kDiscSeenFlatInLong) * whole2).sign() <= 0;
     const LongPoint to_rim = is_along ? LongPoint(Vec3(Vec3::Zero())) : radius_ / sqrt(across2) * across;
@@ -95,7 +95,7 @@ class RefinedSearch {
  private:
   static constexpr int kMostSteps = 400;
 
-  /// What one search finds may lie on the borders of both sets, the middle of several finds within.
+  /// One search may find a point on the borders of both sets; the middle of several such points is within.
   Decision from_all_sides() {
     LongPoint sum{Vec3(Vec3::Zero())};
     for (int i = 0; i < 6; ++i) {
@@ -107,9 +107,9 @@ class RefinedSearch {
     }
     return Decision::undecided;
   }
-  /// Where things stand, lie or are stacked they touch right above, below or beside an end of an axis: one of these
-  /// points of a set, or of an ellipsoid's poles, is in the other. Points of a search come no nearer to such a touch than
-  /// the root of its digits.
+  /// Objects that stand, lie or are stacked touch directly above, below or beside an end of an axis: then one of these
+  /// points of a set, or one of an ellipsoid's poles, is in the other. A search approaches such a touch only to the
+  /// root of its precision.
   static bool touch_upright(const ExactSolid& set, const ExactSolid& other) {
     for (const Point& end : set.points) {
       for (int i = 0; i < 6; ++i) {
@@ -128,7 +128,7 @@ class RefinedSearch {
     const LongPoint of_b = near_b_.farthest(-n);
     simplex_.push_back({of_a_.back() - of_b, of_a_.size() - 1, of_a_.size() - 1});
   }
-  /// common  where no point is certainly in both sets: one that is, up to rounding
+  /// common  if no point is certainly in both sets: one that is, up to rounding
   Decision from_side(const LongPoint& n, std::optional<LongPoint>& common) {
     simplex_.clear();
     add(n);
@@ -148,14 +148,14 @@ class RefinedSearch {
     }
     return Decision::undecided;
   }
-  /// The point of a that the foot stands for, which is near one of b.
+  /// The point of a that the foot represents, which is near one of b.
   LongPoint common_point(const Foot<LongFloat>& foot) const {
     LongPoint sum{Vec3(Vec3::Zero())};
     for (std::size_t i = 0; i < foot.corners.size(); ++i) sum = sum + foot.weights[i] * of_a_[foot.corners[i].of_a];
     return LongFloat(1.0) / foot.total * sum;
   }
-  /// Whether both sets hold the point, as it is or a hair nearer to the middle of one, the other or both: on a border, the
-  /// last of 256 bits puts it outside.
+  /// True if both sets contain the point, as it is or slightly nearer to the middle of one, the other or both: on a
+  /// border, the last of 256 bits puts it outside.
   bool holds_near(const LongPoint& point) const {
     const LongFloat hair(kInward);
     const LongPoint to_a = hair * (near_a_.middle() - point);

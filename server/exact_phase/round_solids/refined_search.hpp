@@ -4,11 +4,11 @@
 
 namespace collided::engine::kernel {
 
-/// Whether two convex sets share a point, where no algebra decides: the search of simplex_search.hpp in 256 bits proposes a
-/// plane between them or a point of both, which rationals then test.
+/// Whether two convex sets share a point, if no algebra decides: the search of simplex_search.hpp in 256 bits proposes
+/// a plane between them or a point of both, which rationals then test.
 ///
-/// returns  undecided where the sets neither overlap nor leave a gap by more than kFinestGap of their size, or where
-/// some hundred steps did not get there
+/// returns  undecided if the sets neither overlap nor leave a gap by more than kFinestGap of their size, or if some
+///          hundred steps did not suffice
 /// cost     1 to 100 ms; allocates
 Decision refined_meet(const ExactSolid& a, const ExactSolid& b);
 

@@ -15,15 +15,15 @@ namespace {
 using Point = Vector<Dyadic>;
 using Kind = ExactSolid::Kind;
 
-/// How far a point of the set is from another one, within bounds that hold for the exact sets too.
+/// Distance of a point of the set from another one, with bounds that hold for the exact sets too.
 struct NearestPoint {
   Vec3 place;
   double distance_m;
-  double within_m;  // how far off `place` may be, were it formed without roundings
+  double within_m;  // bound on the error of `place`, had it been formed without rounding
 };
 
-/// The point of one set nearest to another: a convex set moved by off_m moves it by no more than the root of their
-/// product with the distance.
+/// The point of one set nearest to another: moving a convex set by off_m moves it by at most the root of off_m times
+/// the distance.
 NearestPoint nearest(const RoundSet& set, const Convex& other, double other_off_m, bool on_other) {
   const Separation apart = separation_of({set.rounded, other});
   const double error_m = apart.error_m + 4 * (set.off_m + other_off_m);
@@ -31,12 +31,12 @@ NearestPoint nearest(const RoundSet& set, const Convex& other, double other_off_
   return {on_other ? apart.on_b : apart.on_a, apart.distance_m, within_m};
 }
 
-/// Whether the segment only leads away from the other set from this end on: true where the nearest point, known within
-/// a bound, is surely not ahead, because the distance from a convex set is convex along a line.
+/// True if the segment only leads away from the other set from this end on: the nearest point, known within a bound, is
+/// certainly not ahead, because the distance from a convex set is convex along a line.
 bool leads_away(const RoundSet& a, const RoundSet& segment, int from) {
   const Vec3& end = segment.rounded.carrier[from];
   const NearestPoint foot = nearest(a, Convex(Sphere{end, 0}), segment.off_m, false);
-  // As in closest_in_general.
+  // Same as in closest_in_general.
   const double within_m = 2 * foot.within_m + 2 * segment.off_m;
   const Vec3 displacement = segment.rounded.carrier[1 - from] - end;
   const Vec3 to_nearest = foot.place - end;
@@ -45,7 +45,7 @@ bool leads_away(const RoundSet& a, const RoundSet& segment, int from) {
   return displacement.dot(to_nearest) + slack < 0;
 }
 
-/// Yes: the set's nearest point to the axis of a cylinder or capsule lies surely between the axis' ends.
+/// Yes if the set's nearest point to the axis of a cylinder or capsule certainly lies between the axis' ends.
 Decision is_beside(const RoundSet& set, const RoundSet& side) {
   const Vec3& begin = side.rounded.carrier[0];
   const Vec3& end = side.rounded.carrier[1];
@@ -53,7 +53,7 @@ Decision is_beside(const RoundSet& set, const RoundSet& side) {
   const Vec3 axis = end - begin;
   const double length = axis.norm();
   const double along = axis.dot(foot.place - begin) / length;
-  // As in closest_in_general.
+  // Same as in closest_in_general.
   const double within_m = 4 * foot.within_m + 8 * side.off_m + kBoundSlack * length;
   return along > within_m && along < length - within_m ? Decision::yes : Decision::undecided;
 }
@@ -85,7 +85,7 @@ Convex disc_of(const Convex& cylinder, int end) {
   return disc;
 }
 
-/// A disc that meets no flat end of the other cylinder: as for an ellipsoid.
+/// A disc that meets no flat end of the other cylinder, decided as for an ellipsoid.
 Decision disc_meets_side(const RoundSet& cylinder, int end, const RoundSet& side) {
   const Decision endless = disc_meets_endless(cylinder.exact, end, side.exact);
   if (endless != Decision::yes) return endless;
@@ -93,8 +93,8 @@ Decision disc_meets_side(const RoundSet& cylinder, int end, const RoundSet& side
 }
 
 /// Two cylinders that share a point share one of a flat end, or one between the feet of their axes (sides_meet):
-/// otherwise what their infinite sides share, which is connected, would lie within all four ends or cross one. For
-/// cones, base and apex can say yes; their sides are not tested.
+/// otherwise the common part of their infinite sides, which is connected, would lie within all four ends or cross one.
+/// For cones, base and apex can prove contact; their sides are not tested.
 Decision axials_meet(const RoundSet& a, const RoundSet& b) {
   AnyOf any;
   for (int end = a.exact.first_disc; end < 2; ++end) {
@@ -112,7 +112,7 @@ Decision axials_meet(const RoundSet& a, const RoundSet& b) {
   return a.exact.tapers() || b.exact.tapers() ? Decision::undecided : any.result();
 }
 
-/// The same for a capsule whose end balls are separate from the cylinder.
+/// Tests a capsule whose end balls are separate from the cylinder.
 Decision cylinder_meets_capsule_side(const RoundSet& cylinder, const RoundSet& capsule) {
   AnyOf any;
   for (int end = 0; end < 2; ++end) {
@@ -167,7 +167,7 @@ Decision axials_meet_in_order(const RoundSet& a, const RoundSet& b) {
   return sides == Decision::undecided ? axials_meet(a, b) : sides;
 }
 
-/// a's kind is not behind b's.
+/// True if a's kind is not behind b's.
 Decision in_order(const RoundSet& a, const RoundSet& b) {
   if (a.exact.kind >= Kind::capsule) {
     if (a.exact.kind == Kind::axial && end_parts(a.exact, b.exact)) return Decision::no;

@@ -8,19 +8,19 @@ namespace collided::engine::kernel {
 struct RoundSet {
   const ExactSolid& exact;
   const Convex& rounded;
-  double off_m = 0;  // how far points of `rounded` may be from those of `exact`, once its factor is divided out
+  double off_m = 0;  // bound on the distance between points of `rounded` and of `exact`, with its factor divided out
 };
 
-/// Whether two convex sets, at least one of which has a round side other than a ball's, share a point: by exact algebra,
-/// whatever features they touch in. A flat one beside a cylinder or cone needs its border.
+/// Whether two convex sets, at least one of which has a round side other than a ball's, share a point: by exact
+/// algebra, for every pair of features. A flat set needs its border if the other is a cylinder or cone.
 ///
-/// returns  undecided where no closed form is known here: the side of a cone against round solids, unless axes are
-/// parallel; and a cylinder or capsule that touches so near to the end of its side that double cannot tell on which
-/// side of the end
+/// returns  undecided if no closed form is known here: the side of a cone against round solids, unless axes are
+///          parallel; and a cylinder or capsule that touches so near to the end of its side that double cannot decide
+///          on which side of the end
 /// cost     10 us to some ms; allocates
 Decision round_sets_meet(const RoundSet& a, const RoundSet& b);
 
-/// The same for sets that are what the doubles say.
+/// Takes sets given exactly by their doubles.
 ExactResult round_sets_meet(const Convex& a, const Convex& b);
 
 /// Whether a set contains a point.

@@ -16,7 +16,7 @@ using BoundedPoint = Vector<Bounded>;
 
 constexpr double kUnknown = std::numeric_limits<double>::infinity();
 
-/// The double nearest the quotient, or one beside it.
+/// The double nearest the quotient, or an adjacent one.
 double quotient(const Dyadic& over, const Dyadic& under) {
   const auto [fraction, power] = over.split();
   const auto [divisor, divisor_power] = under.split();
@@ -163,8 +163,7 @@ Fragments::FragmentSides Fragments::rough_sides(std::uint32_t fragment, std::uin
   return found;
 }
 
-/// Gives the corner its numbers in double, from its definition and not from other rounded corners, so that errors do
-/// not add up from cut to cut.
+/// Computes the corner's doubles from its definition, not from other rounded corners, so that errors do not accumulate.
 void Fragments::locate(const FragmentRun& piece, FragmentCorner& corner) {
   const auto bounded = [&](std::uint32_t plane) { return BoundedPlane(*planes_[plane].of, planes_[plane].split); };
   const BoundedPlane cut = bounded(corner.cut);
@@ -196,7 +195,7 @@ void Fragments::locate(const FragmentRun& piece, FragmentCorner& corner) {
   corner.error_m = kUnknown;
 }
 
-/// Where the side that begins at `from` meets the plane.
+/// The corner at which the side that begins at `from` meets the plane.
 Fragments::FragmentCorner Fragments::corner_between(const FragmentRun& piece, const FragmentCorner& from,
                                                     std::uint32_t plane) {
   FragmentCorner corner;
@@ -213,8 +212,8 @@ Fragments::Halves Fragments::cut(std::uint32_t fragment, std::uint32_t plane) {
   const FragmentBorder along{.u = kNone, .v = kNone, .plane = plane};
   front_.clear();
   back_.clear();
-  // Puts a corner into one half; where the piece goes over to the other one after it, the half's border follows the
-  // plane from there.
+  // Puts a corner into one half; if the piece leaves that half after the corner, the half's border follows the plane
+  // from there.
   const auto keep = [&](std::vector<FragmentCorner>& half, FragmentCorner corner, bool leaves) {
     if (leaves) corner.next = along;
     half.push_back(corner);

@@ -17,7 +17,7 @@ class Fragments {
  public:
   static constexpr std::uint32_t kNone = 0xffffffff;
 
-  /// bounds  of the mesh
+  /// bounds  bounds of the mesh
   Fragments(const TriangleMesh& mesh, const Aabb& bounds);
 
   /// The triangle as a piece; it must have an area.
@@ -29,14 +29,13 @@ class Fragments {
   /// Adds the corners of the piece in their order, rounded.
   void outline(std::uint32_t fragment, std::vector<Vec3>& corners);
 
-  /// Numbers of planes, for the calls below. Triangles that are neighbours in one plane, facing the same way, share its
-  /// number.
+  /// Numbers of planes, for the calls below. Neighbouring triangles in one plane that face the same way share a number.
   std::uint32_t plane_of(std::uint32_t triangle);
   std::uint32_t plane_across(int axis, double at);
-  /// A plane of a triangle of another mesh, or across an axis, as such a mesh's tree has it.
+  /// The number of a plane of another mesh's tree: of a triangle, or across an axis.
   std::uint32_t plane_of_other(const TriangleMesh& other, const SplitPlane& plane);
   const SplitPlane& plane(std::uint32_t number) const { return planes_[number].split; }
-  /// Says that two triangles have the same plane and face the same way; to be said before any plane_of().
+  /// Declares that two triangles have the same plane and face the same way; call it before any plane_of().
   void share_plane(std::uint32_t triangle, std::uint32_t with);
 
   /// On which sides of a plane a piece has points.
@@ -45,7 +44,7 @@ class Fragments {
     bool back = false;
   };
   FragmentSides sides(std::uint32_t fragment, std::uint32_t plane);
-  /// The same from doubles alone, where what is not certain counts as in the plane: for choosing planes.
+  /// Computes the sides from doubles alone, counting uncertain corners as in the plane: for choosing planes.
   FragmentSides rough_sides(std::uint32_t fragment, std::uint32_t plane) const;
   /// Cuts a piece with points on both sides.
   struct Halves {
@@ -63,8 +62,8 @@ class Fragments {
   };
   struct FragmentCorner {
     Vec3 at = Vec3::Zero();
-    double error_m = 0;            // of each coordinate; infinite: not known
-    std::uint32_t vertex = kNone;  // of the mesh; else where `border` meets the plane `cut`
+    double error_m = 0;            // per coordinate; infinite: unknown
+    std::uint32_t vertex = kNone;  // vertex of the mesh; else the corner is where `border` meets the plane `cut`
     std::uint32_t cut = kNone;
     FragmentBorder border{};
     FragmentBorder next{};  // the side to the next corner
@@ -94,7 +93,7 @@ class Fragments {
     return std::span(corners_).subspan(piece.first, piece.count);
   }
   std::uint32_t root_of(std::uint32_t triangle);
-  /// 0 where the plane is known to hold the corner without arithmetic.
+  /// True if the plane is known to contain the corner without arithmetic.
   bool is_in_plane(const FragmentCorner& corner, std::uint32_t plane) const;
   int side(const FragmentRun& piece, const FragmentCorner& corner, std::uint32_t plane);
   ExactCorner exact(const FragmentRun& piece, const FragmentCorner& corner);
@@ -107,9 +106,9 @@ class Fragments {
   std::vector<FragmentCorner> corners_;
   std::vector<FragmentRun> pieces_;
   std::vector<NumberedPlane> planes_;
-  std::vector<std::uint32_t> shared_;        // by triangle: another one of its plane, or itself
+  std::vector<std::uint32_t> shared_;        // by triangle: another one in its plane, or itself
   std::vector<std::uint32_t> plane_number_;  // by triangle
-  std::vector<std::int8_t> side_of_corner_;  // of the piece that sides() saw last
+  std::vector<std::int8_t> side_of_corner_;  // of the piece last passed to sides()
   std::vector<FragmentCorner> front_;
   std::vector<FragmentCorner> back_;
 };

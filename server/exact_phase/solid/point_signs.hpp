@@ -7,10 +7,10 @@
 
 namespace collided::engine {
 
-// The signs by which points and closed surfaces are compared, for points known in two ways. All are exact for every
-// finite input: double with an error bound first, then expansions, then rationals.
+// The signs that compare points with closed surfaces, for two representations of points. All are exact for every finite
+// input: double with an error bound first, then expansions, then rationals.
 
-/// A point whose coordinates are doubles, in the frame of what it is compared with.
+/// A point whose coordinates are doubles, in the frame of the surface.
 /// threads  one: it counts the arithmetic that it needed
 class PlainPoint {
  public:
@@ -18,7 +18,7 @@ class PlainPoint {
 
   /// The sign of coordinate - point[axis].
   int beyond(double coordinate, int axis) const { return coordinate > at_[axis] ? 1 : coordinate < at_[axis] ? -1 : 0; }
-  /// Seen against the axis: 1 where the point lies left of the way from u to v, 0 on its line.
+  /// Seen against the axis: 1 if the point lies left of the line from u to v, 0 on the line.
   int turn(const Vec3& u, const Vec3& v, int axis);
   /// 1 on the side of the triangle's plane from which its corners turn left, 0 in the plane.
   int height(const Triangle& triangle);
@@ -29,8 +29,8 @@ class PlainPoint {
   Level level_ = Level::filter;
 };
 
-/// A point whose coordinates are quotients: at / weight, weight > 0. As a pose's exact rotation gives them.
-/// cost     some microseconds a sign; allocates
+/// A point whose coordinates are quotients: at / weight, weight > 0, such as the result of a pose's exact rotation.
+/// cost     some microseconds per sign; allocates
 class QuotientPoint {
  public:
   QuotientPoint(kernel::Vector<Dyadic> at, Dyadic weight) : at_(std::move(at)), weight_(std::move(weight)) {}

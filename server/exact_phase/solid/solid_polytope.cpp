@@ -7,7 +7,7 @@
 
 namespace collided::engine {
 
-/// One polytope's way through a tree.
+/// One polytope's state on its walk through a tree.
 class SolidPolytope {
  public:
   SolidPolytope(const SolidTree& tree, const TriangleMesh& polytope)
@@ -16,7 +16,7 @@ class SolidPolytope {
   PolytopeSide side();
 
  private:
-  /// PiecesAt of the polytope's faces that came to a node or leaf.
+  /// Pieces of the polytope's faces that reached a node or leaf.
   struct PiecesAt {
     std::uint32_t at;
     std::vector<std::uint32_t> pieces;
@@ -38,18 +38,18 @@ class SolidPolytope {
   Aabb bounds_;
   Fragments faces_;
   std::vector<PiecesAt> waiting_;
-  // What lies right under the faces.
+  // Whether the space directly under the faces is inside.
   bool is_in_ = false;
   bool is_out_ = false;
 };
 
-/// The half in which the polytope lies that has a face in the node's plane.
+/// The half that contains the polytope, which has a face in the node's plane.
 std::uint32_t SolidPolytope::inner_child(const SolidTree::SplitNode& node) const {
   for (const Vec3& vertex : polytope_.vertices) {
     const int side = tree_.side_of(node, vertex);
     if (side != 0) return side > 0 ? node.front : node.back;
   }
-  return node.front;  // not where the polytope has a volume
+  return node.front;  // impossible if the polytope has a volume
 }
 
 void SolidPolytope::divide(const PiecesAt& pieces) {
@@ -75,7 +75,7 @@ void SolidPolytope::divide(const PiecesAt& pieces) {
   }
 }
 
-/// Whether an inner point of the triangle is one of the polytope, for a triangle that no face cuts in two.
+/// True if an inner point of the triangle is inside the polytope; no face may cut the triangle in two.
 bool SolidPolytope::reaches_inside(const Triangle& triangle) const {
   const Vec3* const corners[3] = {&triangle.a, &triangle.b, &triangle.c};
   for (const Vec3* corner : corners) {
@@ -94,8 +94,8 @@ bool SolidPolytope::reaches_inside(const Triangle& triangle) const {
   return true;
 }
 
-/// Where all faces are on one side, what surface the polytope has in it is whole, and lies in it with every corner: not
-/// beyond its faces, though maybe in them.
+/// If all faces are on one side, any surface in the polytope is a whole component, with every corner inside: not beyond
+/// the polytope's faces, though possibly in them.
 bool SolidPolytope::holds_surface() const {
   for (std::uint32_t i = 0; i < tree_.mesh_->triangles.size(); ++i) {
     if (reaches_inside(tree_.mesh_->triangle(i))) return true;

@@ -10,7 +10,7 @@
 namespace collided::engine {
 namespace {
 
-/// A share of the way, exactly: over / under, under > 0.
+/// An exact fraction of the segment: over / under, under > 0.
 struct ExactShare {
   Dyadic over;
   Dyadic under = 1.0;
@@ -36,8 +36,8 @@ int compare(const ExactShare& a, const ExactShare& b) { return (a.over * b.under
 
 }  // namespace
 
-/// One segment's way through a tree. Points of the way are known by the plane in which they lie: doubles with their bound
-/// decide nearly all there is to ask of them, and exact numbers are made for the rest alone.
+/// One segment's walk through a tree. Its points are defined by the plane in which they lie: doubles with bounds decide
+/// nearly all questions about them, and exact numbers are computed only for the rest.
 class SolidSegment {
  public:
   SolidSegment(const SolidTree& tree, const Vec3& a, const Vec3& b);
@@ -45,12 +45,12 @@ class SolidSegment {
   std::vector<SegmentPart> parts() const;
 
  private:
-  /// Where the way meets a plane; where that is null, one of its ends.
+  /// Where the segment meets a plane; if that is null, one of its ends.
   struct WayPoint {
     const SplitPlane* plane = nullptr;
-    Bounded share;  // of the way
+    Bounded share;  // along the segment
     Vec3 at = Vec3::Zero();
-    double error_m = 0;  // of each coordinate
+    double error_m = 0;  // per coordinate
   };
   struct Span {
     SolidSide side;
@@ -58,12 +58,12 @@ class SolidSegment {
     WayPoint to;
   };
 
-  /// A plane that parts the way, on whose two sides its ends lie.
+  /// The point at which the segment meets a plane; its ends must lie on different sides.
   WayPoint meeting(const SplitPlane& plane) const;
   ExactShare exact(const WayPoint& point) const;
   ParameterBracket bracket(const WayPoint& point) const;
   int compare(const WayPoint& a, const WayPoint& b) const;
-  /// On which side of the plane the point is; it must lie in the mesh's bounds.
+  /// The side of the plane that the point is on; it must lie in the mesh's bounds.
   int side_of(const SplitPlane& plane, const WayPoint& point) const;
   bool clip(WayPoint& from, WayPoint& to) const;
   SolidSide side_at(std::uint32_t at, const WayPoint& point) const;
@@ -131,7 +131,7 @@ int SolidSegment::side_of(const SplitPlane& plane, const WayPoint& point) const 
   return (height * share.under + share.over * (given.height(b_) - height)).sign();
 }
 
-/// Of a way that runs within a plane: what both halves say, on where they differ.
+/// For a segment within a plane: merges the spans of both halves, `on` where they differ.
 void SolidSegment::put_together(const std::vector<Span>& front, const std::vector<Span>& back,
                                 std::vector<Span>& spans) const {
   std::size_t i = 0;
@@ -147,7 +147,7 @@ void SolidSegment::put_together(const std::vector<Span>& front, const std::vecto
   }
 }
 
-/// Where the way runs within the closed bounds of the mesh; false: nowhere.
+/// Clips the segment to the closed bounds of the mesh; false if nothing remains.
 bool SolidSegment::clip(WayPoint& from, WayPoint& to) const {
   for (int axis = 0; axis < 3; ++axis) {
     const double begin = a_[axis];
@@ -222,7 +222,7 @@ std::vector<SegmentPart> SolidSegment::parts() const {
   const auto put = [&](SolidSide side, const WayPoint& first, const WayPoint& last) {
     parts.push_back({side, bracket(first), bracket(last)});
   };
-  // What lies between two spans is a point of its own: two that are out may meet at an edge that the segment touches.
+  // Between two spans there is a point of its own: two that are out may meet at an edge that the segment touches.
   const auto point_between = [&](const Span* before, const Span* after) {
     const WayPoint& t = after != nullptr ? after->from : before->to;
     const bool is_outside = compare(t, from) < 0 || compare(t, to) > 0;

@@ -21,7 +21,7 @@ int SolidTree::side_of(const SplitNode& node, const Vec3& point) const {
 std::optional<SolidSide> SolidTree::side(const Vec3& point, std::uint32_t& nodes) const {
   if ((point.array() < bounds_.low.array()).any() || (point.array() > bounds_.high.array()).any())
     return SolidSide::out;
-  // A point on a plane is in both halves: the leaves about it that differ are the two sides of the surface.
+  // A point on a plane is in both halves; if the leaves around it differ, it is on the surface.
   constexpr std::size_t kMostPaths = 64;
   std::array<std::uint32_t, kMostPaths> waiting;
   std::size_t count = 0;

@@ -15,9 +15,9 @@ namespace collided::engine {
 /// Size and shape of a solid's tree.
 struct SolidTreeReport {
   std::uint32_t nodes = 0;
-  std::uint32_t across_nodes = 0;  // of them, those that split across a coordinate axis
+  std::uint32_t across_nodes = 0;  // nodes that split across a coordinate axis
   std::uint32_t depth = 0;
-  std::uint64_t fragments = 0;  // pieces of triangles in the end
+  std::uint64_t fragments = 0;  // final pieces of triangles
   std::uint64_t triangles = 0;  // with an area
   std::uint64_t bytes = 0;
   double build_s = 0;  // seconds
@@ -26,14 +26,14 @@ struct SolidTreeReport {
 struct SolidTreeOptions {
   std::function<bool()> cancelled{};       // called now and then; true ends the build with nothing
   double most_fragments_per_triangle = 8;  // more end the build with nothing: the tree would be large and slow
-  bool keeps_faces = false;                // for show_front_to_back(); some 100 bytes more a fragment
+  bool keeps_faces = false;                // for show_front_to_back(); some 100 bytes more per fragment
 };
 
 /// A binary space partition of a closed mesh whose leaves are wholly inside or wholly outside. Splits first across the
-/// coordinate axes, until a cell holds few triangles, then along their planes: the triangles' planes alone would make of
-/// a convex body a list, not a tree.
+/// coordinate axes, until a cell holds few triangles, then along their planes: with the triangles' planes alone, a
+/// convex body would give a list, not a tree.
 ///
-/// threads  immutable after build; any number may ask it
+/// threads  immutable after build; any number may query it
 /// source   Fuchs, Kedem, Naylor, "On visible surface generation by a priori tree structures", SIGGRAPH 1980; solid
 ///          leaves: Naylor, Amanatides, Thibault, "Merging BSP trees yields polyhedral set operations", SIGGRAPH 1990;
 ///          axes first: Trettner, Nehring-Wirxel, Kobbelt, "EMBER: exact mesh booleans via efficient and robust local
@@ -41,15 +41,15 @@ struct SolidTreeOptions {
 class SolidTree {
  public:
   /// mesh       closed; no two triangles cross or overlap (world/solids checks it)
-  /// is_inside  whether a point that is not on the surface is inside: asked for cells without a triangle
-  /// returns    nothing where cancelled, where planes cut too many triangles, or where the mesh is none of that kind
+  /// is_inside  whether a point that is not on the surface is inside: called for cells without a triangle
+  /// returns    nothing if cancelled, if planes cut too many triangles, or if the mesh is not of that kind
   /// cost       about 10 us a triangle; memory for its fragments
   static std::optional<SolidTree> build(std::shared_ptr<const TriangleMesh> mesh,
                                         FunctionRef<bool(const Vec3& point)> is_inside,
                                         const SolidTreeOptions& options);
 
-  /// Where the point is, exactly. Nothing where it lies on more planes than the walk can follow at once.
-  /// cost  one comparison a level, with more than one path only for points on a plane of the tree
+  /// The exact side of the point. Nothing if it lies on more planes than the walk can follow.
+  /// cost  one comparison per level, with more than one path only for points on a plane of the tree
   std::optional<SolidSide> side(const Vec3& point, std::uint32_t& nodes) const;
 
   const SolidTreeReport& report() const { return report_; }
@@ -80,7 +80,7 @@ class SolidTree {
   std::shared_ptr<const TriangleMesh> mesh_;
   Aabb bounds_;
   std::vector<SplitNode> nodes_;
-  // Where faces are kept: those in the plane of node i are faces_[first_face_[i], first_face_[i + 1]).
+  // If faces are kept: those in the plane of node i are faces_[first_face_[i], first_face_[i + 1]).
   std::vector<std::uint32_t> first_face_;
   std::vector<KeptFace> faces_;
   std::vector<Vec3> outlines_;

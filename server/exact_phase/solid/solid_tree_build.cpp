@@ -1,5 +1,4 @@
-// Builds a solid's tree cell by cell, from a list of cells that are not yet divided: however deep the tree, nothing
-// recurses.
+// Builds a solid's tree cell by cell from a list of undivided cells, without recursion however deep the tree.
 
 #include <algorithm>
 #include <array>
@@ -15,15 +14,15 @@
 namespace collided::engine {
 namespace {
 
-// Cells with no more pieces than this are divided along the pieces' planes. Chosen by measurement on scans: fewer cost
-// cells and pieces, more cost tests of planes.
+// Cells with at most this many pieces are divided along the pieces' planes. Chosen by measurement on scans: a lower
+// value costs cells and pieces, a higher one tests of planes.
 constexpr std::size_t kFewPieces = 24;
 // A split across an axis must leave each half with fewer than this share of the pieces.
 constexpr double kWorthwhile = 0.9;
-// Planes that are compared before one is chosen, and the pieces that they are compared on.
+// Number of planes that are compared for a choice, and of pieces on which they are compared.
 constexpr std::size_t kPlanesTried = 6;
 constexpr std::size_t kPiecesTried = 32;
-// How many pieces of imbalance one more cut is worth.
+// One more cut is worth this many pieces of imbalance.
 constexpr double kCutCost = 4;
 
 bool has_area(const Triangle& t) {
@@ -34,7 +33,7 @@ bool has_area(const Triangle& t) {
   return false;
 }
 
-/// A double strictly between the two; nothing where there is none.
+/// A double strictly between the two; nothing if there is none.
 std::optional<double> between(double low, double high) {
   const double middle = low / 2 + high / 2;
   if (middle > low && middle < high) return middle;
@@ -85,7 +84,7 @@ class SolidTreeBuild {
   Across best_across(const SolidCell& cell);
   void try_across(const SolidCell& cell, int axis, double at, Across& best) const;
   std::uint32_t best_along(const SolidCell& cell);
-  /// Deals the cell's pieces out to the halves of a node's plane; those in the plane are the node's.
+  /// Distributes the cell's pieces to the halves of a node's plane; those in the plane stay with the node.
   void deal(const SolidCell& cell, std::uint32_t plane, SolidCell& front, SolidCell& back);
   void keep_faces();
   std::uint32_t put(const SolidCell& cell, std::uint32_t plane);
@@ -107,13 +106,13 @@ class SolidTreeBuild {
     std::uint32_t node;
     std::uint32_t piece;
   };
-  std::vector<PieceInPlane> in_planes_;  // where faces are kept
-  std::uint64_t live_ = 0;               // pieces that were not cut into others
-  std::vector<Aabb> boxes_;              // of the pieces of the cell that is being divided
-  std::vector<double> coordinates_;      // the same along one axis
+  std::vector<PieceInPlane> in_planes_;  // if faces are kept
+  std::uint64_t live_ = 0;               // pieces that were not cut
+  std::vector<Aabb> boxes_;              // of the pieces of the current cell
+  std::vector<double> coordinates_;      // of these pieces along one axis
 };
 
-/// Neighbours in one plane that face the same way share it, so that flat faces are split once.
+/// Gives neighbours in one plane that face the same way one plane, so that flat faces are split once.
 void SolidTreeBuild::share_planes() {
   const EdgeTable edges = edge_table(mesh_);
   const auto normal = [&](std::uint32_t triangle) {
@@ -127,7 +126,7 @@ void SolidTreeBuild::share_planes() {
     const std::uint32_t b = triangle_of(uses[1]);
     const Triangle of_a = mesh_.triangle(a);
     const Vec3& apex = mesh_.vertices[mesh_.triangles[b][(uses[1] % 3 + 2) % 3]];
-    // Faces that are known to face the same way: for two in one plane the product is plus or minus that of the lengths.
+    // They are known to face the same way: for two in one plane the product is plus or minus that of the lengths.
     if (!(normal(a).dot(normal(b)) > 0)) continue;
     if (has_area(of_a) && has_area(mesh_.triangle(b)) && PlainPoint(apex).height(of_a) == 0) pieces_.share_plane(a, b);
   }
@@ -166,7 +165,7 @@ void SolidTreeBuild::deal(const SolidCell& cell, std::uint32_t plane, SolidCell&
   }
 }
 
-/// Sorts the pieces by the node in whose plane they lie.
+/// Sorts the pieces by the node whose plane contains them.
 void SolidTreeBuild::keep_faces() {
   tree_.first_face_.assign(tree_.nodes_.size() + 1, 0);
   for (const PieceInPlane& piece : in_planes_) ++tree_.first_face_[piece.node + 1];
@@ -183,7 +182,7 @@ void SolidTreeBuild::keep_faces() {
 
 void SolidTreeBuild::try_across(const SolidCell& cell, int axis, double at, Across& best) const {
   if (!(at > cell.box.low[axis]) || !(at < cell.box.high[axis])) return;
-  // A cell that turns out empty is asked for at a double inside of it.
+  // A cell that may become empty is classified by a double inside it, so there must be one.
   if (!between(cell.box.low[axis], at) || !between(at, cell.box.high[axis])) return;
   std::size_t front = 0;
   std::size_t back = 0;
@@ -208,7 +207,7 @@ SolidTreeBuild::Across SolidTreeBuild::best_across(const SolidCell& cell) {
     for (const Aabb& box : boxes_) coordinates_.push_back(box.low[axis]);
     const auto middle = coordinates_.begin() + static_cast<std::ptrdiff_t>(coordinates_.size() / 2);
     std::nth_element(coordinates_.begin(), middle, coordinates_.end());
-    try_across(cell, axis, *middle, best);  // where faces lie across the axis, they are not cut there
+    try_across(cell, axis, *middle, best);  // if faces lie across the axis, this plane does not cut them
     for (std::size_t i = 0; i < boxes_.size(); ++i)
       coordinates_[i] = boxes_[i].low[axis] / 2 + boxes_[i].high[axis] / 2;
     std::nth_element(coordinates_.begin(), middle, coordinates_.end());
@@ -261,7 +260,7 @@ std::uint32_t SolidTreeBuild::best_along(const SolidCell& cell) {
   return best;
 }
 
-/// A half without pieces has one kind of points, and the piece whose plane it is says which: outside is where it faces.
+/// A half without pieces is wholly inside or outside, which the piece that defines the plane decides: it faces outside.
 bool SolidTreeBuild::divide_along(SolidCell& cell) {
   const std::uint32_t plane = best_along(cell);
   const std::uint32_t node = put(cell, plane);

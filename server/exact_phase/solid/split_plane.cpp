@@ -11,8 +11,8 @@ Vector<N> normal_of(const Triangle& t) {
   return cross(Vector<N>(t.b) - a, Vector<N>(t.c) - a);
 }
 
-/// What three products, three sums and a difference round, with room for the roundings of the bound; relative to the sum
-/// of the products' sizes.
+/// Rounding of three products, three sums and a difference, including that of the bound itself; relative to the sum of
+/// the products' magnitudes.
 constexpr double kHeightError = 8 * kRoundoff;
 
 }  // namespace
@@ -48,7 +48,7 @@ int SplitPlane::quick_side(const Vec3& at, double error_m) const {
     return height_m > error_m ? 1 : height_m < -error_m ? -1 : 0;
   }
   const double height = normal.dot(at) - offset;
-  // The plane's error is for the true point; `at` may lie beside it by its own.
+  // The plane's error holds for the true point; `at` may be off by its own error.
   const double off = (normal.lpNorm<1>() + 2 * normal_error) * error_m;
   const double bound = (error + off) * (1 + kBoundSlack);
   return height > bound ? 1 : height < -bound ? -1 : 0;

@@ -9,26 +9,26 @@
 
 namespace collided::engine {
 
-/// A plane of a solid's tree, exactly given: of a triangle of the mesh, or across a coordinate axis. The numbers in
-/// double serve the filter alone.
+/// A plane of a solid's tree, defined exactly: of a triangle of the mesh, or across a coordinate axis. Its doubles only
+/// serve the filter.
 struct SplitPlane {
-  static constexpr std::uint32_t kAcross = 0xfffffffd;  // kAcross + axis in place of a triangle: across that axis
+  static constexpr std::uint32_t kAcross = 0xfffffffd;  // kAcross + axis instead of a triangle: across that axis
 
-  Vec3 normal = Vec3::Zero();  // of the front, any length
-  double offset = 0;           // normal . p for its points; where it is across an axis, exactly the coordinate
-  double error = 0;            // of normal . p - offset, for p in the box that the plane was made for
+  Vec3 normal = Vec3::Zero();  // towards the front, any length
+  double offset = 0;           // normal . p for its points; across an axis, exactly the coordinate
+  double error = 0;            // of normal . p - offset, for p in the box of the filter
   double normal_error = 0;     // of the normal's coordinates, summed
   std::uint32_t triangle = 0;
 
-  /// Where a point is that is known to `error_m` for each coordinate, and truly in the box that the plane was made for: 1 in
-  /// front, -1 behind, 0 where double is not sure.
+  /// The side of a point known up to `error_m` per coordinate, whose true place is in the box of the filter: 1 in
+  /// front, -1 behind, 0 if double cannot decide.
   int quick_side(const Vec3& at, double error_m) const;
 
   bool is_across() const { return triangle >= kAcross; }
   int axis() const { return static_cast<int>(triangle - kAcross); }
 };
 
-/// The plane of a triangle that has an area; normal as the corners turn left.
+/// The plane of a triangle with an area; its normal is on the side from which the corners run anticlockwise.
 ///
 /// within  the filter's error holds for points in this box
 SplitPlane plane_of_triangle(const TriangleMesh& mesh, std::uint32_t triangle, const Aabb& within);

@@ -7,7 +7,7 @@
 
 namespace collided::engine {
 
-/// Where a point is relative to a solid: outside, on its surface, or in its interior.
+/// The side of a point relative to a solid: outside, on its surface, or in its interior.
 enum class SolidSide : std::uint8_t { out, on, in };
 
 /// How the ray from a point along a coordinate axis passes a triangle.
@@ -22,10 +22,10 @@ struct AxisDirection {
   int sign = 1;
 };
 
-/// Tells how the ray passes the triangle, as if the point were shifted a little: by an infinitesimal along the axis that
-/// follows the ray's, and by an infinitesimally smaller one along the third. So it never meets an edge, and of the
-/// triangles at an edge or a corner of a closed surface it passes exactly as many as a ray beside it. Every sign is that
-/// of the unshifted point, or where that is 0, of the shift.
+/// Returns how the ray passes the triangle, as if the point were shifted infinitesimally along the axis that follows
+/// the ray's, and by an infinitesimally smaller amount along the third. So it never meets an edge, and of the triangles
+/// at an edge or a corner of a closed surface it passes exactly as many as a ray beside it. Every sign is that of the
+/// unshifted point, or if that is 0, of the shift.
 ///
 /// point   PlainPoint or QuotientPoint
 /// source  Edelsbrunner, Muecke, "Simulation of simplicity", ACM Transactions on Graphics 9, 1990
@@ -35,7 +35,7 @@ SurfaceCrossing crossing_of(Point& point, const Triangle& triangle, const AxisDi
   const int third = (ray.axis + 2) % 3;
   bool is_beyond[3];
   for (int k = 0; k < 3; ++k) is_beyond[k] = point.beyond((*corners[k])[third], third) > 0;
-  // Seen against the axis: 1 where the corners turn left about the shifted point, -1 right, 0 where it is beside them.
+  // Seen against the axis: 1 if the corners run left around the shifted point, -1 right, 0 if it is beside them.
   int turns = 0;
   for (int k = 0; k < 3; ++k) {
     const int next = k == 2 ? 0 : k + 1;
@@ -64,7 +64,7 @@ bool lies_on(Point& point, const Triangle& triangle) {
     if (!some_behind || !some_beyond) return false;
   }
   if (point.height(triangle) != 0) return false;
-  // In the triangle's plane, it is in the triangle where it is in each of the three shadows.
+  // A point in the triangle's plane is in the triangle if it is in all three projections.
   for (int axis = 0; axis < 3; ++axis) {
     int least = 0;
     int most = 0;

@@ -13,25 +13,25 @@ namespace {
 
 using BoundedPoint = kernel::Vector<Bounded>;
 
-// Fewer triangles are summed one by one: a cluster costs about as much as one of them, and needs distance.
+// Fewer triangles are summed one by one: a cluster costs about as much as one of them, and must be far away.
 constexpr std::uint32_t kFewTriangles = 6;
-// A sum of non-negative doubles, n of them, is off by at most n roundings; with the roundings of its terms.
+// A sum of n non-negative doubles is off by at most n roundings; includes the rounding of its terms.
 double grown_sum(double sum, std::size_t n) { return sum * (1 + static_cast<double>(2 * n + 64) * kRoundoff); }
 
-/// The angle of a point in the plane whose coordinates are known up to a bound; anywhere on the circle where that may be
-/// the origin, or the two sides of the negative axis.
+/// The angle of a point in the plane with bounded coordinates; anywhere on the circle if the point may be the origin,
+/// or on both sides of the negative axis.
 Bounded angle_of(const Bounded& y, const Bounded& x) {
   const double reach = std::hypot(x.value, y.value) * (1 - 4 * kRoundoff);
   const double off = std::hypot(x.bound(), y.bound()) * (1 + 4 * kRoundoff);
   const bool is_across = x.value < x.bound() && std::abs(y.value) <= y.bound();
   if (!(off < reach) || is_across) return {0, std::numbers::pi * (1 + 4 * kRoundoff)};
-  // The disk of that radius is seen under an angle whose sine is the quotient, and asin(s) <= s pi / 2.
+  // The disc of that radius is seen under an angle whose sine is the quotient, and asin(s) <= s pi / 2.
   const double angle = std::atan2(y.value, x.value);
   return {angle, (off / reach * (std::numbers::pi / 2) + 4 * kRoundoff * std::abs(angle)) * (1 + kBoundSlack)};
 }
 
-/// Half the solid angle of a triangle, positive from behind. Source: Van Oosterom, Strackee, "The solid angle of a plane
-/// triangle", IEEE Transactions on Biomedical Engineering 30, 1983.
+/// Half the solid angle of a triangle, positive from behind. Source: Van Oosterom, Strackee, "The solid angle of a
+/// plane triangle", IEEE Transactions on Biomedical Engineering 30, 1983.
 Bounded half_solid_angle(const Triangle& t, const BoundedPoint& point) {
   const BoundedPoint a = BoundedPoint(t.a) - point;
   const BoundedPoint b = BoundedPoint(t.b) - point;
@@ -134,8 +134,8 @@ WindingTree::WindingCluster WindingTree::cluster_of(std::uint32_t first, std::ui
 
 /// Half the solid angle of all its triangles together.
 ///
-/// moved  how far the point may be from where `to_centre` was taken from
-/// near   at most the distance of the true point from the centre, and more than twice the radius
+/// moved  bound on the distance between the point and the origin of `to_centre`
+/// near   lower bound on the distance of the true point from the centre, and more than twice the radius
 Bounded WindingTree::half_solid_angle_from_afar(const WindingCluster& c, const Vec3& to_centre, double moved,
                                                 double near) {
   const double d = to_centre.norm();
@@ -144,8 +144,8 @@ Bounded WindingTree::half_solid_angle_from_afar(const WindingCluster& c, const V
   const double near3 = near2 * near;
   const double value = c.normal.dot(to_centre) / (d * d * d) + c.moment.trace() / (d * d * d) -
                        3 * to_centre.dot(c.moment * to_centre) / (d * d * d * d * d);
-  // Of 1 / |x| no n-th derivative is above n! / |x|^(n + 1): of the Taylor series from the cluster's centre the terms
-  // from the third on are at most (k + 1) |x - centre|^k / d^(k + 2), k = 2, 3, ...
+  // The n-th derivatives of 1 / |x| are at most n! / |x|^(n + 1): in the Taylor series from the cluster's centre the
+  // terms from the third on are at most (k + 1) |x - centre|^k / d^(k + 2), k = 2, 3, ...
   const double left_out = c.spread * (3 - 2 * q) / ((1 - q) * (1 - q)) / (near2 * near2);
   const double shift = 2 * c.area * moved / (near3 * (1 - q) * (1 - q) * (1 - q));
   const double coefficients = c.normal_error / near2 + 4 * c.moment_error / near3;
@@ -157,7 +157,7 @@ Bounded WindingTree::half_solid_angle_from_afar(const WindingCluster& c, const V
 Bounded WindingTree::around(const Vec3& given, double off_m, double widest, std::uint32_t& nodes) const {
   if (clusters_.empty()) return {};
   const Vec3 point = given.unaryExpr([&](double x) { return std::ldexp(x, exponent_); });
-  // Scaling rounds what becomes subnormal.
+  // Scaling rounds numbers that become subnormal.
   const double off = std::ldexp(off_m, exponent_) + kUnderflow;
   if (!point.allFinite() || !std::isfinite(off)) return {0, std::numeric_limits<double>::infinity()};
   const BoundedPoint exact(Bounded(point.x(), off), Bounded(point.y(), off), Bounded(point.z(), off));
@@ -171,7 +171,7 @@ Bounded WindingTree::around(const Vec3& given, double off_m, double widest, std:
     ++nodes;
     const Vec3 to_centre = c.centre - point;
     const double distance = to_centre.norm();
-    // The difference is rounded, which is as if the point lay elsewhere.
+    // The difference is rounded, which has the effect of a moved point.
     const double moved = (2 * off + 8 * kRoundoff * distance) * (1 + kBoundSlack);
     const double near = (distance - moved) * (1 - 8 * kRoundoff);
     if (near > 0 && c.radius <= widest * near) {
@@ -198,9 +198,9 @@ WindingSide WindingTree::side_of(const Bounded& number, const Vec3& point, doubl
 }
 
 WindingSide WindingTree::side(const Vec3& point, double off_m, std::uint32_t& nodes) const {
-  // Nothing is known of the number yet; the bounds alone may decide.
+  // The number is not known yet; the bounds alone may decide.
   if (side_of({0, std::numeric_limits<double>::infinity()}, point, off_m) == WindingSide::out) return WindingSide::out;
-  // About a closed surface the coarsest decides all but what lies beside it; about a hole finer ones are needed.
+  // On a closed surface the coarsest decides all points but those close to it; near a hole finer ones are needed.
   for (const double widest : {0.35, 0.12, 0.04, 0.01}) {
     const WindingSide found = side_of(around(point, off_m, widest, nodes), point, off_m);
     if (found != WindingSide::undecided) return found;
