@@ -15,8 +15,7 @@ Vector<N> normal(const Triangle& t) {
   return cross(Vector<N>(t.b) - a, Vector<N>(t.c) - a);
 }
 
-/// Whether the normals n and m (m flipped where turned_over) form an angle larger than the cosine's: n.m < cosine |n|
-/// |m|.
+/// Whether the normals n and m (m flipped if turned_over) form an angle larger than the cosine's: n.m < cosine |n| |m|.
 template <class N>
 Decision is_crease(const Triangle& one, const Triangle& other, bool turned_over, double cosine) {
   const Vector<N> n = normal<N>(one);
@@ -24,7 +23,7 @@ Decision is_crease(const Triangle& one, const Triangle& other, bool turned_over,
   const N along = turned_over ? -dot(n, m) : dot(n, m);
   const Decision is_blunt = kernel::opposite(kernel::is_positive(-along));  // along >= 0
   if (is_blunt == Decision::undecided) return Decision::undecided;
-  // Where both sides have the same sign, their squares compare like they do, or in reverse if both are negative.
+  // If both sides have the same sign, their squares compare in the same order, or in reverse if both are negative.
   if (is_blunt == Decision::yes && cosine <= 0) return Decision::no;
   if (is_blunt == Decision::no && cosine >= 0) return Decision::yes;
   const N left = along * along;
@@ -32,7 +31,7 @@ Decision is_crease(const Triangle& one, const Triangle& other, bool turned_over,
   return cosine > 0 ? kernel::less(left, right) : kernel::less(right, left);
 }
 
-/// The side of the triangle's plane that the eye is on: +1 where the corners run anticlockwise, 0 in the plane.
+/// The side of the triangle's plane on which the eye is: +1 if the corners run anticlockwise, 0 in the plane.
 std::int8_t side_of(const Vec3& eye, const Triangle& t) {
   const auto height = [&]<class N>() { return dot(normal<N>(t), Vector<N>(eye) - Vector<N>(t.a)); };
   if (kernel::climb([&]<class N>() { return kernel::is_positive(height.template operator()<N>()); }).yes()) return 1;
@@ -80,7 +79,7 @@ class Kinds {
   const TriangleMesh& mesh_;
   const EdgeTable& table_;
   const EdgeView& view_;
-  std::vector<std::int8_t> sides_;  // by triangle: the side that the eye is on
+  std::vector<std::int8_t> sides_;  // by triangle: side of the eye
 };
 
 }  // namespace

@@ -8,8 +8,8 @@
 /// without filters, expansions or early exits, so that an audit can compare some of the fast answers with a second
 /// calculation. Decisions must be equal; two numbers must differ by no more than the sum of their bounds.
 ///
-/// Rays against hulls, and nearest points of cylinders, cones, ellipsoids and hulls, have no second form: these call
-/// the fast one again.
+/// Rays against hulls, and nearest points of cylinders, cones, ellipsoids and hulls, have no second calculation: these
+/// call the fast one.
 ///
 /// returns  undecided only for boxes whose axes do not span space, and for round shapes that nearly touch
 /// cost     3 to 300 us; allocates
@@ -26,7 +26,7 @@ Decision overlaps(const Box& a, const Triangle& b);
 Decision overlaps(const Capsule& a, const Capsule& b);
 Decision overlaps(const Capsule& a, const Triangle& b);
 Decision overlaps(const Triangle& a, const Triangle& b);
-/// In either order of the two kinds.
+/// Accepts either order of the two kinds.
 Decision overlaps(const Primitive& a, const Primitive& b);
 Decision overlaps(const Primitive& a, const Triangle& b);
 

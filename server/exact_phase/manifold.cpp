@@ -16,8 +16,8 @@ namespace {
 
 using kernel::Vector;
 
-/// What a part turns towards a direction: the corners of a polygon in order, the ends of a segment, a tip, or a whole
-/// plane (no points). Depth is measured to the plane through `on` with normal `across`.
+/// The feature of a part that faces a direction: the corners of a polygon in order, the ends of a segment, a tip, or a
+/// whole plane (no points). Depth is measured to the plane through `on` with normal `across`.
 struct Feature {
   std::vector<Vec3> points;
   Vec3 on = Vec3::Zero();
@@ -25,8 +25,7 @@ struct Feature {
   double slack_m = 0;           // bound on each coordinate's error of the points
 };
 
-/// A cap faces the other part where its axis is within 45 degrees of the normal, else the side does. Cosine of 45
-/// degrees.
+/// A cap faces the other part if its axis is within 45 degrees of the normal, else the side does. Cosine of 45 degrees.
 constexpr double kFacing = std::numbers::sqrt2 / 2;
 /// Features smaller than this share of the size, seen along the normal, count as points. At zero Manifold.OfRoundShapes
 /// fails (standing).
@@ -34,18 +33,17 @@ constexpr double kSeenAsPoint = 1e-6;
 /// Corners of a hull this close to a plane, relative to its size, belong to one face, which rounding has bent.
 /// At zero Manifold.AHullBearsAsItsBox fails.
 constexpr double kSamePlane = 1e-9;
-// Relative to the size squared, as the areas of the clip are: points this far out still are on the border, since the
-// border's own points are rounded when they are projected (a few 1e-16). More costs nothing: the depth of each point is
-// computed anew.
+// Relative to the size squared, like the areas of the clip: points this far out are still on the border, since the
+// border's own points are rounded when projected (a few 1e-16). A larger value does no harm, since the depth of each
+// point is computed again.
 constexpr double kProjectedSlack = 1e-12;
-// Relative to the size of the patch: points this near bear as one. The choice of points depends on it, no bound does.
+// Relative to the size of the patch: points this near count as one. It affects the choice of points, but no bound.
 constexpr double kSamePoint = 1e-9;
 constexpr int kRimPoints = 8;
 
 /// The error of a feature's points: for corners and rims the rounding of at most six products and sums, for hulls that
-/// of placing them; where a direction had to be made a unit vector, that of a support point. Relative to size and
-/// position.
-/// At zero, Manifold.TheDepthsOfTiltedBoxesAreWithinTheirBounds fails.
+/// of placing them; if a direction had to be normalised, that of a support point. Relative to size and position. At
+/// zero, Manifold.TheDepthsOfTiltedBoxesAreWithinTheirBounds fails.
 double slack_of(const ConvexPart& part) {
   if (half_space_of(part) != nullptr || std::holds_alternative<Triangle>(part)) return 0;
   const kernel::Convex set = convex_of(part);
@@ -87,7 +85,7 @@ Feature facing(const Box& b, const Vec3& m) {
 
 Feature facing(const Ellipsoid& e, const Vec3& m) { return tip(e.center + kernel::Convex(e).support(m), m); }
 
-/// Points on a disc's rim, starting where it is farthest along m.
+/// Points on a disc's rim, starting at the farthest along m.
 Feature rim(const Vec3& middle, const Vec3& axis, double radius_m, const Vec3& m) {
   Vec3 u = m - m.dot(axis) * axis;
   u = u.norm() > kSeenAsPoint ? Vec3(u.normalized()) : Vec3(axis.unitOrthogonal());
@@ -179,13 +177,13 @@ double turn(const Flat& a, const Flat& b, const Flat& c) {
   return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
 }
 
-// A point in space and where it is seen.
+// A point in space with its projection.
 struct ProjectedPoint {
   Vec3 point;
   Flat seen;
 };
 
-/// What of a polygon, segment or point lies on the left of the line from p to q.
+/// The part of a polygon, segment or point to the left of the line from p to q.
 std::vector<ProjectedPoint> clipped(const std::vector<ProjectedPoint>& corners, const Flat& p, const Flat& q,
                                     double slack) {
   std::vector<ProjectedPoint> kept;

@@ -20,8 +20,8 @@ struct ManifoldPoint {
 };
 
 /// Appends the points at which two overlapping parts touch along the normal (unit, from a to b): the corners of what
-/// their facing features share, seen along the normal, that lie within both; `contact` where the features share no more
-/// than a point. Typical counts: face on face up to eight and more, edge on face 2, corner on face 1, edge across edge
+/// their facing features share, seen along the normal, that lie within both; only `contact` if the features share at
+/// most a point. Typical counts: face on face up to eight and more, edge on face 2, corner on face 1, edge across edge
 /// 1.
 ///
 /// threads  pure

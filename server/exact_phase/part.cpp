@@ -19,7 +19,7 @@ Separation turned(Separation s) {
   return s;
 }
 
-/// From a half-space's plane to the set's nearest point.
+/// The separation from a half-space's plane to the set's nearest point.
 Separation above(const HalfSpace& ground, const Convex& set) {
   Separation result;
   result.normal = kernel::unit(ground.normal);

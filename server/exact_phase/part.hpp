@@ -16,13 +16,13 @@ using ConvexPart = std::variant<Primitive, Triangle>;
 inline ConvexPart as_part(const Primitive& primitive) { return primitive; }
 inline ConvexPart as_part(const Triangle& triangle) { return triangle; }
 
-/// The part's half-space; null where it is another shape.
+/// The part's half-space; null if it is another shape.
 inline const HalfSpace* half_space_of(const ConvexPart& part) {
   const auto* primitive = std::get_if<Primitive>(&part);
   return primitive == nullptr ? nullptr : std::get_if<HalfSpace>(primitive);
 }
 
-/// As in overlap.hpp and contact.hpp, for whichever kinds the two hold.
+/// Same as in overlap.hpp and contact.hpp, for any kinds.
 ExactResult overlaps(const ConvexPart& a, const ConvexPart& b);
 Contact contact(const ConvexPart& a, const ConvexPart& b);
 Aabb bounds_of_part(const ConvexPart& part);

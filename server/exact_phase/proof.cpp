@@ -22,8 +22,8 @@ using kernel::Convex;
 using kernel::Vector;
 using Mix = CommonPoint::Mix;
 
-/// Appends the number as a sum of doubles, largest first. False where its digits leave their range: then nothing is
-/// proved.
+/// Appends the number as a sum of doubles, largest first. False if its digits leave the range of double: then nothing
+/// is proved.
 bool append_sum(Dyadic x, ExactSum& sum) {
   while (x.sign() != 0) {
     const auto [fraction, power] = x.split();
@@ -37,8 +37,8 @@ bool append_sum(Dyadic x, ExactSum& sum) {
   return true;
 }
 
-/// A power of two that brings the number, and all that is scaled with it, near 2^200. The checker squares products of
-/// such numbers, and double has room for their low digits only while the numbers are large.
+/// A power of two that brings the number, and everything scaled with it, near 2^200. The checker squares products of
+/// such numbers, and double has room for their low digits only if the numbers are large.
 Dyadic scale_for(const Dyadic& x) {
   constexpr long kPower = 200;
   const long shift = kPower - x.split().second;
@@ -68,8 +68,8 @@ bool is_flat_hull(const ConvexPart& part, const Convex& set) {
   return set.hull != nullptr || std::holds_alternative<Triangle>(part);
 }
 
-/// The mix of the part's points on which the candidate's remainder (ball, disc, box or ellipsoid) is placed; nothing
-/// where none is known.
+/// The mix of the part's points on which the candidate's remainder (ball, disc, box or ellipsoid) is placed; nothing if
+/// none is known.
 std::optional<Mix> mix_beside(const ConvexPart& part, const Convex& set, const PointCandidate& c) {
   const Mix whole{{0, Dyadic(1.0)}};
   if (set.disc_m > 0 || (std::holds_alternative<Primitive>(part) && set.plus == Convex::Plus::nothing &&
@@ -102,7 +102,7 @@ std::optional<Mix> mix_beside(const ConvexPart& part, const Convex& set, const P
   return held->mix_a;
 }
 
-/// Uses the formulas of certificate.hpp's checker, over other numbers.
+/// Uses the formulas of certificate.hpp's checker with another number type.
 bool holds(const ConvexPart& part, const Convex& set, const PointCandidate& c, const Mix& mix) {
   if (const HalfSpace* ground = half_space_of(part)) {
     return dot(at(ground->normal), c.point - c.divisor * at(ground->point)).sign() <= 0;
@@ -161,7 +161,7 @@ long lowest_bit_of(const Matrix& numbers) {
   return lowest_bit({numbers.data(), static_cast<std::size_t>(numbers.size())});
 }
 
-/// Whether a checker stays within the range of double while it tests that the part holds the point: tests the lowest
+/// True if a checker stays within the range of double while it tests that the part holds the point: tests the lowest
 /// bits of the products in `holds` above, one factor of which is the difference of the point and its mix.
 bool can_be_read(const Convex& set, const Proof& proof, const ExactMix& mix) {
   constexpr long kLowest = -950;
@@ -203,7 +203,7 @@ bool fill(const ConvexPart& a, const ConvexPart& b, const PointCandidate& c, con
          can_be_read(convex_of(b), proof, proof.mix_b);
 }
 
-/// A box is given by its centre, not by its corners, so a mix of corners is written as the centre alone.
+/// A box is given by its centre, not its corners, so a mix of corners is written as the centre alone.
 Mix of_points(const Convex& set, Mix mix) {
   return set.plus == Convex::Plus::box ? Mix{{0, Dyadic(1.0)}} : std::move(mix);
 }
@@ -309,8 +309,8 @@ void append_nearest(const Convex& a, const Convex& b, std::vector<Vec3>& points)
                                near_a + (a.ball_m + (apart_m - b.ball_m)) / 2 * displacement});
 }
 
-/// Points that both sets may hold: the nearest points of the two, and of both shrunk, which lie off the surfaces where
-/// the sets share more than a point.
+/// Points that both sets may hold: the nearest points of the two, and of both shrunk, which lie off the surfaces if the
+/// sets share more than a point.
 std::vector<Vec3> likely_points(const Convex& a, const Convex& b) {
   std::vector<Vec3> points;
   constexpr double kDrawnIn[] = {0x1p-5, 0x1p-10, 0x1p-20, 0x1p-40, 0.0};

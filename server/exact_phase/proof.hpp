@@ -13,7 +13,7 @@ using ExactSum = std::vector<double>;
 /// Weights of a part's points: (number of the point, weight).
 using ExactMix = std::vector<std::pair<std::uint32_t, ExactSum>>;
 
-/// One step of a proof of separation; as Certificate::Step in collided/certificate.hpp.
+/// One step of a proof of separation; same as Certificate::Step in collided/certificate.hpp.
 struct ProofStep {
   enum class Kind : std::uint8_t { plane, split_a, split_b };
   Kind kind = Kind::plane;
@@ -34,7 +34,7 @@ struct PartNumbers {
 };
 PartNumbers numbers_of(const ConvexPart& part);
 
-/// About the part's farthest point along n; not for a half-space.
+/// Approximate farthest point of the part along n; not for a half-space.
 Vec3 support_of(const ConvexPart& part, const Vec3& n);
 
 /// A part with its triangle's number, or 0xffffffff.
@@ -43,29 +43,29 @@ struct ProofPart {
   std::uint32_t triangle = 0xffffffff;
 };
 
-/// Why two objects touch or do not, for a client to check without trusting the server (collided/certificate.hpp has the
-/// client's side).
+/// A proof that two objects touch or do not, which a client can check without trusting the server
+/// (collided/certificate.hpp has the client's side).
 struct Proof {
   bool touches = false;
-  // All parts that the steps refer to; where the objects touch, the one part of each.
+  // All parts that the steps refer to; if the objects touch, the one part of each.
   std::vector<ProofPart> a;
   std::vector<ProofPart> b;
   std::vector<ProofStep> steps;
-  // Where they touch: the common point, point / divisor, as a weighted mix of each part's points.
+  // If they touch: the common point, point / divisor, as a weighted mix of each part's points.
   ExactSum point[3];
   ExactSum divisor;
   ExactMix mix_a;
   ExactMix mix_b;
 };
 
-/// Finds a point that lies exactly in both parts, and writes down what it is made of. False where no such rational
-/// point was found: shapes with round sides that touch in a single point.
+/// Finds a point that lies exactly in both parts, with its mix. False if no such rational point was found: shapes with
+/// round sides that touch in a single point.
 ///
-/// hint  near the middle of what the two share
+/// hint  near the middle of the overlap
 /// cost  0.1 to 10 ms; allocates
 bool prove_touching(const ConvexPart& a, const ConvexPart& b, const Vec3& hint, Proof& proof);
 
-/// Whether every point x of the part has side * normal . (x - point) <= 0, or < 0 if `strictly`. Exact.
+/// True if every point x of the part has side * normal . (x - point) <= 0, or < 0 if `strictly`. Exact.
 bool is_beyond(const ConvexPart& part, const Vec3& normal, const Vec3& point, int side, bool strictly);
 
 }  // namespace collided::engine
