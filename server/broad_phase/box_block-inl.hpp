@@ -1,4 +1,4 @@
-// Compares one box with eight, for each instruction set. Included once per target, as Highway's own -inl files are.
+// Compares one box with eight, for each instruction set. Included once per target, like Highway's own -inl files.
 #if defined(COLLIDED_BOX_BLOCK_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef COLLIDED_BOX_BLOCK_INL
 #undef COLLIDED_BOX_BLOCK_INL

@@ -12,10 +12,10 @@ namespace collided::engine {
 
 /// Relative slack on computed parameters and squares: a few roundings of 2^-53 each.
 inline constexpr double kRelative = 0x1p-49;
-/// Absolute slack where results underflow.
+/// Absolute slack for results that underflow.
 inline constexpr double kLeast = 16 * std::numeric_limits<double>::denorm_min();
 
-/// The parameters at which a ray may be within [low, high]; empty where entry > exit. Zero components are decided by
+/// The parameters at which a ray may be within [low, high]; empty if entry > exit. Zero components are decided by
 /// comparison; an overflow leaves the axis unrestricted.
 struct SlabSpan {
   double entry = 0;
@@ -29,14 +29,14 @@ inline void clip(const Ray& ray, int axis, double low, double high, SlabSpan& sp
     if (o < low || o > high) span.exit = -1;
     return;
   }
-  // An infinite difference has no finite quotient either.
+  // An infinite difference has no finite quotient.
   const double entry = ((d > 0 ? low : high) - o) / d;
   const double exit = ((d > 0 ? high : low) - o) / d;
   if (std::isfinite(entry)) span.entry = std::max(span.entry, entry - kRelative * std::abs(entry) - kLeast);
   if (std::isfinite(exit)) span.exit = std::min(span.exit, exit + kRelative * std::abs(exit) + kLeast);
 }
 
-/// The same of a whole box, within [0, limit]. Box: has low(axis) and high(axis).
+/// The parameters for a whole box, within [0, limit]. Box: has low(axis) and high(axis).
 template <class Box>
 SlabSpan clip(const Ray& ray, const Box& box, double limit) {
   SlabSpan span{0, limit};

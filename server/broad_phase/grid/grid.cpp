@@ -11,28 +11,28 @@ namespace collided::engine {
 
 namespace {
 
-/// With more changed boxes than one in this many, a rebuild costs less than searching two indexes from then on.
+/// With more changed boxes than one in this many, a rebuild is cheaper than searching two indexes afterwards.
 constexpr std::size_t kRebuildShare = 16;
-/// Up to this many boxes are indexed anew in less time than an index is updated.
+/// Up to this many boxes, building an index takes less time than updating one.
 constexpr std::size_t kFewNewer = 64;
 
 }  // namespace
 
-/// The boxes of the last rebuild, and over them those that changed since, in a grid of their own, which is updated in the
-/// same way: a box that changes costs a rebuild of few, and its part of a rebuild of each of the larger ones. A box of the
-/// second kind is hidden in the first.
+/// The boxes of the last rebuild, and over them those that changed since, in a grid of their own, which is updated in
+/// the same way: a changed box costs a rebuild of few, and its share of a rebuild of each of the larger grids. Changed
+/// boxes are hidden in the first grid.
 struct Grid::Storage {
   Use use = Use::questions;
-  std::shared_ptr<grid::Levels> base = std::make_shared<grid::Levels>();  // others may read it: written while unshared
-  std::vector<std::uint64_t> is_newer;                                    // by number: a bit each; none without newer
+  std::shared_ptr<grid::Levels> base = std::make_shared<grid::Levels>();  // shared: written only while it has one owner
+  std::vector<std::uint64_t> is_newer;                                    // by number, one bit each
   std::vector<std::uint32_t> newer;
   std::vector<Aabb> newer_boxes;
-  // Shared with what it was updated from, which so must be rebuilt by the same thread, if at all.
+  // Shared with the grid that it was updated from, which must therefore be rebuilt by the same thread, if at all.
   std::shared_ptr<grid::RebuildScratch> scratch = std::make_shared<grid::RebuildScratch>();
-  std::size_t box_count = 0;     // that it was last rebuilt or updated with, empty ones included
-  std::size_t hidden_count = 0;  // boxes of base that are not empty there and hidden
-  Aabb reach;                    // holds all boxes, and where some were since the last rebuild
-  std::unique_ptr<Grid> over;    // of newer_boxes, numbered by their place in there; null or old while there are none
+  std::size_t box_count = 0;     // at the last rebuild or update, empty ones included
+  std::size_t hidden_count = 0;  // non-empty boxes of base that are hidden
+  Aabb reach;                    // contains all boxes, and former ones since the last rebuild
+  std::unique_ptr<Grid> over;    // of newer_boxes, numbered by their index there; null or outdated if there are none
 
   void extend_reach(const Aabb& box) {
     if (!box.empty()) reach.extend(box);
@@ -73,7 +73,7 @@ void Grid::update(const Grid& before, std::span<const Aabb> boxes, std::span<con
   Storage& s = *storage_;
   s.scratch = old.scratch;
   const std::size_t most = old.base->entry_count / kRebuildShare;
-  // With fewer boxes than before, numbers are out of use.
+  // With fewer boxes than before, some numbers are unused.
   if (changed.size() > 2 * most || boxes.size() < old.box_count) return rebuild(boxes);
   s.box_count = boxes.size();
   s.base = old.base;
@@ -93,9 +93,9 @@ void Grid::update(const Grid& before, std::span<const Aabb> boxes, std::span<con
   s.index_newer(old, boxes, again);
 }
 
-/// Brings `over` up to date where `newer` has some more than in the old one, at its end.
+/// Updates `over` if `newer` has additional boxes at its end.
 ///
-/// again  numbers of those that are in the old one, or twice among the new ones, and changed; sorted here
+/// again  numbers of boxes that are in the old one, or twice among the new ones, and changed; sorted here
 void Grid::Storage::index_newer(const Storage& old, std::span<const Aabb> boxes, std::vector<std::uint32_t>& again) {
   if (!over) over = std::make_unique<Grid>(use);
   const std::size_t change_count = again.size() + newer.size() - old.newer.size();
@@ -155,9 +155,9 @@ void Grid::walk_box(const Aabb& asked, BoxFound found, WalkCost& cost) const {
   if (goes_on) s.over->walk_box(asked, tell_over, cost);
 }
 
-/// Walks what was rebuilt last and then what changed since, within the limit that the first walk leaves.
+/// Walks the last rebuild and then the changes since, within the limit that the first walk leaves.
 ///
-/// walk_base(levels, limit, found), walk_over(grid, limit, found): in one of the two
+/// walk_base(levels, limit, found), walk_over(grid, limit, found): walk one of the two
 template <class Found, class WalkBase, class WalkOver>
 void Grid::walk_both(double limit, const Found& found, const WalkBase& walk_base, const WalkOver& walk_over) const {
   const Storage& s = *storage_;
@@ -172,7 +172,7 @@ void Grid::walk_both(double limit, const Found& found, const WalkBase& walk_base
 }
 
 void Grid::walk_ray(const Ray& ray, double limit, RayFound found, WalkCost& cost) const {
-  // Most rays pass by all that moves.
+  // Most rays miss all moving objects.
   const SlabSpan span = clip(ray, storage_->reach, limit);
   if (!(span.entry <= span.exit)) return;
   walk_both(

@@ -9,7 +9,7 @@ using Cell = std::int64_t;
 /// A cell as one number: its numbers along z, y and x, from the high bits down.
 using Key = std::uint64_t;
 
-/// The key of no cell: fills the places after a level's last box.
+/// A key that no cell has: fills the places after a level's last box.
 inline constexpr Key kNoKey = ~Key{0};
 /// Keys of cells have at most this many bits, so that a step to a neighbouring cell never wraps.
 inline constexpr int kMostKeyBits = 62;
@@ -31,7 +31,7 @@ class Axis {
   void set(Cell first, Cell last);
   /// Numbers only these cells, given in any order and with repeats. For a world too wide to number all cells.
   void set(std::vector<Cell> cells);
-  /// Halves the numbers of such a list this many times; neighbours may share a number from then on.
+  /// Halves the numbers of such a list this many times; neighbours may share a number after that.
   void coarsen(int times) { drop_ += times; }
 
   /// Bits that any number of the axis needs, its free neighbours included.

@@ -14,12 +14,12 @@ constexpr int kLeastExponent = -1000;
 constexpr int kMostExponent = 1000;
 constexpr std::int16_t kEmpty = std::numeric_limits<std::int16_t>::max();
 constexpr std::int16_t kUnbounded = kEmpty - 1;
-/// Cells are at least this share of the coordinates they hold, so that cell numbers are exact.
+/// Cells are at least this share of their coordinates, so that cell numbers are exact.
 constexpr double kLeastCellOfReach = 0x1p-40;
 /// Up to this many boxes of a size are cheaper to test every time than to look up.
 constexpr std::uint32_t kFewBoxes = 16;
 
-/// Up to this many boxes a ray tests one by one in less time than a node of the tree takes it.
+/// Testing up to this many boxes takes a ray less time than a node of the tree.
 constexpr std::uint32_t kFewForTree = 3;
 
 /// Cells are at least this share as wide as long: narrower ones would give a query many rows to look up.
@@ -38,7 +38,7 @@ using Histogram = std::array<SizeClass, kMostExponent - kLeastExponent + 1>;
 /// The largest absolute coordinate.
 double reach_of(const Aabb& box) { return std::max(box.high.cwiseAbs().maxCoeff(), box.low.cwiseAbs().maxCoeff()); }
 
-/// The size that decides on the level, metres; infinite for a box that no cell can hold. reach: of all boxes.
+/// The size that determines the level, metres; infinite for a box that no cell can hold. reach: of all boxes.
 double effective_size(const Aabb& box, double reach) {
   const double size = std::max((box.high - box.low).maxCoeff(), 0x1p-1000);
   return size >= reach * kLeastCellOfReach ? size : std::max(size, reach_of(box) * kLeastCellOfReach);
@@ -79,7 +79,7 @@ std::vector<Group> group_sizes(const Histogram& histogram) {
   return groups;
 }
 
-/// reach: largest coordinate of the level's boxes, or more, which only makes cells wider than necessary.
+/// reach: at least the largest coordinate of the level's boxes; a larger value only makes cells wider than necessary.
 void set_cells(GridLevel& level, double reach) {
   const double largest = level.cell_m.maxCoeff();
   // Never more than the largest box: such a cell holds its own coordinates.
@@ -92,7 +92,7 @@ void set_cells(GridLevel& level, double reach) {
 
 std::uint32_t whole_blocks(std::uint32_t places) { return (places + kBlock - 1) / kBlock * kBlock; }
 
-/// Room for some more, and not for much more: what a crowd took is given back when it has left.
+/// Makes room for some more: gives back memory after a peak.
 template <class T>
 void make_room(bvh::PlainArray<T>& array, std::size_t size) {
   constexpr std::size_t kKept = 4'096;
@@ -132,9 +132,9 @@ void Levels::choose_levels(std::span<const Aabb> boxes, RebuildScratch& scratch)
       scratch.level_of_exponent[e - kLeastExponent] = static_cast<std::int16_t>(levels.size());
     }
     levels.emplace_back();
-    levels.back().end = group.count;  // only the count until lay_out() assigns places
+    levels.back().end = group.count;  // only the count, until lay_out() assigns places
     levels.back().cell_m = group.extent;
-    // The size that chose the level may be the reach rather than the box.
+    // The size that determined the level may be the reach instead of the box.
     int longest = 0;
     group.extent.maxCoeff(&longest);
     levels.back().cell_m[longest] = std::max(group.extent[longest], group.largest);
@@ -196,8 +196,7 @@ void Levels::set_axes(std::span<const Aabb> boxes, GridLevel& level, std::span<c
       }
       level.axes[k].set(std::move(cells));
     }
-    // Only with more than a million boxes: nearly all cells left are occupied by boxes of their own, so sharing crowds
-    // none.
+    // Only with more than a million boxes: then nearly all cells are occupied by single boxes, so sharing crowds none.
     const int over = bits() - kMostKeyBits;
     for (Axis& axis : level.axes) axis.coarsen(over > 0 ? (over + 2) / 3 : 0);
   }
@@ -248,7 +247,7 @@ void Levels::index_level(GridLevel& level) {
   first_of[bucket] = level.end;
 }
 
-/// Collects the boxes if they are few. A resting scene of many parts has an entry for each, though little moves.
+/// Collects the boxes if they are few. A resting scene of many parts has an entry for each, though few move.
 bool Levels::are_few(std::span<const Aabb> boxes) {
   few_numbers.clear();
   for (std::uint32_t i = 0; i < boxes.size() && few_numbers.size() <= kSweptBoxes; ++i) {
@@ -305,7 +304,7 @@ void Levels::rebuild_many(std::span<const Aabb> boxes, RebuildScratch& scratch) 
   if (!all_in_one) share_out(boxes, scratch);
   directory.clear();
   for (GridLevel& level : levels) {
-    std::span<const std::uint32_t> members;  // none: every box is one
+    std::span<const std::uint32_t> members;  // empty: every box is a member
     if (!all_in_one) members = std::span(scratch.members).subspan(level.begin, level.count());
     set_axes(boxes, level, members);
     if (level.z_shift + level.axes[2].bits() <= kPackedKeyBits) {

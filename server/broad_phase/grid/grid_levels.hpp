@@ -33,14 +33,14 @@ struct Entry {
   std::uint32_t box() const { return number; }
 };
 
-/// Boxes of similar size, each stored in the one cell of its low corner. Cells are larger than every box on each axis,
-/// so overlapping boxes have cells at most one apart; for needles that lie the same way cells are as narrow.
+/// Boxes of similar size, each stored in the cell of its low corner. Cells are larger than every box on each axis, so
+/// overlapping boxes have cells at most one apart; for parallel needles the cells are equally narrow.
 struct GridLevel {
   Vec3 cell_m = Vec3::Ones();
   Vec3 inverse = Vec3::Ones();
   std::uint32_t begin = 0;  // first and last place of its boxes; begin is the first of a block
   std::uint32_t end = 0;
-  std::uint32_t first_bucket = 0;  // where its part of the directory starts
+  std::uint32_t first_bucket = 0;  // start of its part of the directory
   int bucket_shift = 0;
   // Shifts of a key to its bucket, and of the y and z numbers within a key.
   Key last_key = 0;
@@ -76,7 +76,7 @@ struct Extent {
   }
 };
 
-/// Memory that a rebuild needs no longer than it lasts, kept to save allocations: what is rebuilt in turn shares it.
+/// Memory used only during a rebuild, kept to save allocations; grids rebuilt in turn share it.
 struct RebuildScratch {
   std::vector<Aabb> few_boxes;
   std::vector<std::int16_t> level_of_exponent;
@@ -91,7 +91,7 @@ struct RebuildScratch {
 
 /// Boxes sorted by level and key, so that a sweep in memory order meets its neighbours in a few parallel streams. After
 /// a level's last box there is at least one place with kNoKey. Boxes that fit no level (unbounded, or too few of their
-/// size for one) are loose: every query tests each of them. Where there are few boxes all are loose.
+/// size for one) are loose: every query tests each of them. If there are few boxes all are loose.
 struct Levels {
   std::vector<GridLevel> levels;  // small boxes first
   bvh::PlainArray<BoxBlock> blocks;
@@ -101,9 +101,9 @@ struct Levels {
   std::uint32_t entry_count = 0;
   std::uint32_t loose_begin = 0;  // places after the levels; the first of a block
   std::uint32_t loose_end = 0;
-  SweepAndPrune few;                       // where there are at most kSweptBoxes, all loose; else empty
+  SweepAndPrune few;                       // if there are at most kSweptBoxes, all of them; else empty
   std::vector<std::uint32_t> few_numbers;  // numbers of its boxes, ascending
-  std::optional<BoxTree> tree;  // over all boxes, for rays and what is near; none for so few that each is tested
+  std::optional<BoxTree> tree;  // over all boxes, for rays and distances; none for so few that each is tested
 
   Entry entry(std::uint32_t place) const { return {&blocks[place / kBlock], place % kBlock, numbers[place]}; }
   /// The level's first place with at least this key; its end if there is none.
@@ -125,7 +125,7 @@ struct Levels {
 
   /// for_rays: with a tree.
   void rebuild(std::span<const Aabb> boxes, bool for_rays, RebuildScratch& scratch);
-  /// Whether the last rebuild had a box of this number that was not empty.
+  /// True if the last rebuild had a non-empty box of this number.
   bool holds(std::uint32_t number) const;
   std::size_t bytes() const;
 
@@ -148,7 +148,7 @@ struct Levels {
   }
   void pad(std::uint32_t from, std::uint32_t to);
 
-  Extent all_;  // every box of the last rebuild
+  Extent all_;  // of every box in the last rebuild
   std::vector<std::int16_t> exponent_of_box_;
 };
 

@@ -16,7 +16,7 @@ constexpr unsigned kAllLanes = (1u << kBlock) - 1;
 
 constexpr int kWindows = 5;
 
-/// What a box met in one block of each of its windows, eight bits per window.
+/// Overlaps of a box in one block of each of its windows, eight bits per window.
 struct Met {
   std::uint64_t lanes;
   std::uint32_t place;
@@ -52,7 +52,7 @@ struct PairSearch {
 
   /// Keys of a neighbouring row differ by the same amount all over the level: window w holds the keys in [key +
   /// to_row[w], key + to_row[w] + span(w)]. Searches the box's own row from the box on, and half of the eight rows
-  /// around it: the other half finds this box itself.
+  /// around it: from the other half, this box itself is found.
   struct Rows {
     Key to_row[kWindows];
 

@@ -34,7 +34,7 @@ CellRange cells_reaching(const GridLevel& level, const Vec3& low, const Vec3& hi
   for (int axis = 0; axis < 3; ++axis) {
     const Cell first = level.occupied.low[axis];
     const Cell last = level.occupied.high[axis];
-    // Clamped while still doubles, because queries may be infinite.
+    // Clamped before the conversion to integers, because queries may be infinite.
     range.low[axis] =
         static_cast<Cell>(clamped(std::floor((low[axis] - level.cell_m[axis]) * level.inverse[axis]), first, last));
     range.high[axis] = static_cast<Cell>(std::clamp(std::floor(high[axis] * level.inverse[axis]),

@@ -24,7 +24,7 @@ inline bool holds(const CellRange& range, const Cell (&cell)[3]) {
   return inside;
 }
 
-/// A range of cells in the numbers of a level's axes; skips unoccupied cells where the level does not number them.
+/// A range of cells in the numbers of a level's axes; skips unoccupied cells if the level does not number them.
 struct NumberRange {
   std::uint64_t low[3];
   std::uint64_t high[3];

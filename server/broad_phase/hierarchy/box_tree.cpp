@@ -19,15 +19,15 @@ using bvh::Node;
 using bvh::Range;
 using bvh::Ref;
 
-/// A tree that was fitted is built anew when its nodes have grown by this factor, measured by what a ray meets of them.
+/// A refitted tree is rebuilt when its nodes have grown by this factor, measured by the expected visits of a ray.
 constexpr double kMostGrowth = 1.5;
-/// How far around their bounds boxes may move before the frame is chosen anew, in sizes of the whole.
+/// How far beyond their bounds boxes may move before a new frame is chosen, in sizes of the whole.
 constexpr double kRoom = 0.25;
 
-/// Boxes that the floats of the tree cannot tell from their neighbours are tested one by one, up to this many: one object far
-/// away must not make a crowd's boxes all alike.
+/// Boxes that the floats of the tree cannot distinguish from their neighbours are tested one by one, up to this many:
+/// one distant object must not make all boxes of a crowd alike.
 constexpr std::size_t kMostOutliers = 64;
-/// Sizes of an ordinary box within which floats tell boxes apart.
+/// Sizes of an ordinary box within which floats can distinguish boxes.
 constexpr double kSharpReach = 0x1p18;
 
 bool is_bounded(const Aabb& box) { return box.low.allFinite() && box.high.allFinite(); }
@@ -48,7 +48,7 @@ FloatBox float_box(const bvh::LocalFrame& frame, const Aabb& box) {
   return local;
 }
 
-/// What the walks assume of a node's planes; the rounding outward of a box at the frame's end is allowed for.
+/// The walks' assumption about a node's planes; allows for the outward rounding of a box at the frame's border.
 bool is_within_frame(const FloatBox& box) {
   constexpr float kEnd = 1 + 0x1p-20f;
   bool is_within = true;
@@ -83,7 +83,7 @@ void set_children(std::span<const bvh::Primitive> few, Node& node) {
 }  // namespace
 
 struct BoxTreeNodes {
-  /// A box that is tested by itself.
+  /// A box that is tested separately.
   struct Outlier {
     std::uint32_t number;
     Aabb box;
@@ -95,9 +95,9 @@ struct BoxTreeNodes {
   bvh::Layout layout;  // its nodes are those below
   std::vector<Node> nodes;
   std::vector<FloatBox> node_bounds;
-  std::vector<Outlier> outliers;  // not in the tree: without end, or far from the rest
+  std::vector<Outlier> outliers;  // not in the tree: unbounded, or far from the rest
   std::size_t box_count = 0;      // in the tree
-  double built_weight = 0;        // what weight() gave when the tree was built
+  double built_weight = 0;        // weight() when the tree was built
 
   void build(std::span<const Aabb> boxes);
   void set_aside(std::span<const Aabb> boxes);
@@ -112,7 +112,7 @@ BoxTree::~BoxTree() = default;
 BoxTree::BoxTree(BoxTree&&) noexcept = default;
 BoxTree& BoxTree::operator=(BoxTree&&) noexcept = default;
 
-/// Adds the node over a range, its bounds not set yet. Parents stand before their children.
+/// Adds the node over a range, with bounds still unset. Parents precede their children.
 Ref BoxTreeNodes::add(std::span<bvh::Primitive> primitives, const Range& range, std::uint32_t depth) {
   const auto index = static_cast<Ref>(nodes.size());
   nodes.push_back(bvh::empty_node());
@@ -132,8 +132,8 @@ Ref BoxTreeNodes::add(std::span<bvh::Primitive> primitives, const Range& range, 
   return index;
 }
 
-/// Chooses the outliers: boxes without end, and where the rest spans more than floats resolve, those that lie farthest from
-/// the middle one, seen from the size of the middle one.
+/// Chooses the outliers: unbounded boxes, and if the rest spans more than floats resolve, those farthest from the
+/// middle one, relative to its size.
 void BoxTreeNodes::set_aside(std::span<const Aabb> boxes) {
   outliers.clear();
   std::vector<std::uint32_t> bounded;
@@ -164,7 +164,7 @@ void BoxTreeNodes::set_aside(std::span<const Aabb> boxes) {
     const double away_m = (boxes[i].low - middle).cwiseAbs().cwiseMax((boxes[i].high - middle).cwiseAbs()).maxCoeff();
     if (!(away_m <= kSharpReach * size_m)) far.push_back({i, boxes[i]});
   }
-  // Where they are many, they are no outliers.
+  // If they are many, they are not outliers.
   if (far.size() <= kMostOutliers) outliers.insert(outliers.end(), far.begin(), far.end());
 }
 
@@ -206,7 +206,7 @@ void BoxTreeNodes::build(std::span<const Aabb> boxes) {
   node_bounds.resize(nodes.size());
 }
 
-/// Sets the bounds of all nodes, last to first. False: a box is gone, or one of the tree has left the frame.
+/// Sets the bounds of all nodes, last to first. False if a box was removed, or one in the tree has left the frame.
 bool BoxTreeNodes::fit(std::span<const Aabb> boxes) {
   for (Outlier& other : outliers) {
     if (other.number >= boxes.size() || boxes[other.number].empty()) return false;

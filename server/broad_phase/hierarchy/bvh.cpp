@@ -132,7 +132,7 @@ void Bvh::walk_pairs(const Bvh& other, const Mat3& rotation, const Vec3& positio
   bvh::PairFrame frame;
   bvh::PairCase found;
   if (swapped) {
-    // Covers the rounding of the inverse placement, and the slack seen along other axes.
+    // Covers the rounding of the inverse placement, and the slack along the other axes.
     const double turned_slack_m = 2 * slack_m + 0x1p-48 * position.lpNorm<1>();
     const Mat3 back = rotation.transpose();
     found = bvh::prepare_pairs(others, own, back, -(back * position), turned_slack_m, frame);

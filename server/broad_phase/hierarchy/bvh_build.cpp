@@ -18,7 +18,7 @@ namespace {
 
 /// A smaller subtree is not worth handing to another thread.
 constexpr std::uint32_t kLeastJob = 4096;
-/// Triangles that a thread takes at a time in passes over all.
+/// Triangles per batch of a thread in passes over all.
 constexpr std::size_t kBoxesARun = 65536;
 
 /// Reports the build's progress and checks for cancellation; both on the caller's thread only.
@@ -56,7 +56,7 @@ struct Subtree {
   std::uint64_t bytes() const { return nodes.capacity() * sizeof(Node) + leaves.capacity() * sizeof(Leaf); }
 };
 
-/// A subtree left to another thread, and the place in its parent where it belongs.
+/// A subtree left to another thread, and its place in its parent.
 struct Job {
   Range range;
   std::uint32_t depth = 0;
@@ -67,7 +67,7 @@ struct Job {
 /// Builds subtrees over ranges of primitives, which it reorders; ranges of different calls must not overlap.
 class BvhBuilder {
  public:
-  /// Of the layout it reads only how triangles are stored.
+  /// Reads only how the layout stores triangles.
   BvhBuilder(const TriangleMesh& mesh, const Layout& layout, std::span<Primitive> primitives, BuildWatch& watch)
       : mesh_(mesh), layout_(layout), primitives_(primitives), watch_(watch) {}
 

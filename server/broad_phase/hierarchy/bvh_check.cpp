@@ -50,7 +50,7 @@ struct PartialReference {
   NodeBox box;
 };
 
-/// Where a leaf is attached, and how many triangles its reference claims.
+/// The parent of a leaf, and the number of triangles that its reference claims.
 struct LeafPlace {
   NodeBox box;
   int count = 0;
@@ -107,7 +107,7 @@ class Check {
     return hang(layout_.root, root, 0, 0);
   }
 
-  /// Notes a child and that no other parent has it. first: the lowest number allowed for an inner child.
+  /// Records a child, and checks that no other parent has it. first: the lowest number allowed for an inner child.
   std::string_view hang(Ref ref, const NodeBox& box, std::uint32_t depth, std::size_t first) {
     if (depth + 1 > kMaxDepth) return "a path is too deep";
     deepest_ = std::max(deepest_, depth);
@@ -159,7 +159,7 @@ class Check {
     return {};
   }
 
-  /// Compares what each leaf stores of its triangles with the mesh.
+  /// Compares each leaf's stored triangles with the mesh.
   std::string_view check_leaves() {
     constexpr std::size_t kRun = 4096;
     std::mutex mutex;

@@ -34,7 +34,7 @@ int Collapse::cut_further(std::span<Primitive> primitives, const Range& range, s
   return index;
 }
 
-/// Leaves are the same however the cuts above them are merged, so only nodes are weighed.
+/// Leaves are the same however the cuts above them are merged, so only nodes are weighted.
 void Collapse::weigh(Part& part) const {
   if (part.left < 0) return;
   const auto& left = parts_[static_cast<std::size_t>(part.left)].cost;
@@ -63,7 +63,7 @@ int Collapse::children(int part, int (&out)[kWidth], Cut (&cuts)[kWidth]) const 
   return count;
 }
 
-/// Writes the children that a part becomes, given room for this many: itself at its place, or its two sides.
+/// Writes the children into which a part is divided, given room for this many: the part itself, or its two sides.
 void Collapse::gather(int part, int room, int at, int (&out)[kWidth], Cut (&cuts)[kWidth], int& count) const {
   const Part& of = parts_[static_cast<std::size_t>(part)];
   while (room > 1 && of.to_left[static_cast<std::size_t>(room)] == 0) --room;

@@ -11,8 +11,8 @@
 
 namespace collided::engine::bvh {
 
-/// Cuts a small range in two down to its leaves, and chooses, among all ways to merge these cuts into wide nodes, the
-/// one whose nodes a ray is expected to visit least: each node weighs as much as the surface of its box.
+/// Cuts a small range in two repeatedly down to leaves, and chooses, among all ways to merge these cuts into wide
+/// nodes, the one whose nodes a ray is expected to visit least: each node is weighted by the surface of its box.
 ///
 /// cost    28 sums per cut; 160 bytes for each while it lives
 /// source  Ylitie, Karras, Laine, "Efficient Incoherent Ray Traversal on GPUs Through Compressed Wide BVHs", 2017, 3.1
@@ -28,8 +28,8 @@ class Collapse {
   static constexpr int kRoot = 0;
   const Range& range(int part) const { return parts_[static_cast<std::size_t>(part)].range; }
   bool is_leaf(int part) const { return parts_[static_cast<std::size_t>(part)].left < 0; }
-  /// For a part that is no leaf: writes the parts that become its node's children and the cuts between them; returns
-  /// how many children.
+  /// For an inner part: writes the parts that become its node's children and the cuts between them; returns the number
+  /// of children.
   int children(int part, int (&out)[kWidth], Cut (&cuts)[kWidth]) const;
 
  private:

@@ -63,7 +63,7 @@ std::span<std::byte> allocate_pages(std::size_t bytes) {
     if (memory == nullptr) throw std::bad_alloc();
     return {static_cast<std::byte*>(memory), bytes};
   }
-  // Maps memory of its own: what malloc reuses already has small pages.
+  // Maps new memory: memory reused by malloc already has small pages.
   const std::size_t length = mapped_length(bytes);
   void* mapping = mmap(nullptr, length + kHugePage, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
   if (mapping == MAP_FAILED) throw std::bad_alloc();
@@ -72,7 +72,7 @@ std::span<std::byte> allocate_pages(std::size_t bytes) {
   std::byte* memory = first + before;
   if (before > 0) munmap(first, before);
   munmap(memory + length, kHugePage - before);
-  // Advice only: where the system refuses, the tree is slower, not wrong.
+  // Only a hint: if the system refuses, the tree is slower, not wrong.
   (void)madvise(memory, length, MADV_HUGEPAGE);
   return {memory, bytes};
 }

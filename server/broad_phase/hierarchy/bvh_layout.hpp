@@ -33,12 +33,10 @@ inline bool is_leaf(Ref ref) { return (ref & kLeafBit) != 0; }
 inline int leaf_count(Ref ref) { return static_cast<int>((ref >> 28) & 7u) + 1; }
 
 /// Eight children with bounds in local coordinates, rounded outward: plane[axis][0] low, plane[axis][1] high. A missing
-/// child has low = +inf, high = -inf.
-/// order[octant] lists the children near to far, three bits each, for rays whose direction is negative on axis k where
-/// bit k of octant is set. For each cut that made the node, the side from which the ray comes goes first, so the walk
-/// need not sort by distance.
-/// occlusion_order() lists them for a ray that any triangle stops, whatever its direction; it is stored in the spare
-/// bits of the first three orders.
+/// child has low = +inf, high = -inf. order[octant] lists the children near to far, three bits each, for rays whose
+/// direction is negative on axis k if bit k of octant is set. For each cut that made the node, the side from which the
+/// ray comes goes first, so the walk need not sort by distance. occlusion_order() lists them for a ray that any
+/// triangle stops, in any direction; it is stored in the spare bits of the first three orders.
 struct alignas(64) Node {
   float plane[3][2][kWidth];
   Ref child[kWidth];
@@ -74,7 +72,7 @@ struct LocalFrame {
 
   Vec3 to_local(const Vec3& world) const { return (world - origin) * scale; }
   double to_world(float local, int axis) const { return static_cast<double>(local) * inverse_scale + origin[axis]; }
-  /// Whether the point survives the conversion to local floats and back.
+  /// True if the point survives the conversion to local floats and back.
   bool is_float(const Vec3& world) const {
     const Vec3 local = to_local(world);
     bool same = true;
@@ -105,7 +103,7 @@ class PlainArray {
   PlainArray() = default;
   explicit PlainArray(std::size_t size)
       : data_(reinterpret_cast<T*>(allocate_pages(size * sizeof(T)).data()), Free{size * sizeof(T), true}) {}
-  /// Read-only records that are stored elsewhere and must outlive this.
+  /// Read-only records stored elsewhere, which must outlive this.
   static PlainArray borrowed(std::span<const T> records) {
     PlainArray array;
     array.data_ = {const_cast<T*>(records.data()), Free{records.size_bytes(), false}};
@@ -138,14 +136,14 @@ struct Split {
 /// The finished tree. An empty one has root kNothing.
 struct Layout {
   LocalFrame frame;
-  bool has_corners = false;  // else leaves hold edges
+  bool has_corners = false;  // false: leaves hold edges
   float root_low[3] = {1, 1, 1};
   float root_high[3] = {-1, -1, -1};
   Ref root = kNothing;
   PlainArray<Node> nodes;
   PlainArray<Leaf> leaves;
   std::vector<Split> splits;           // ascending by triangle
-  std::shared_ptr<const void> keeper;  // keeps alive the memory that nodes and leaves are borrowed from
+  std::shared_ptr<const void> keeper;  // owner of the memory of borrowed nodes and leaves
 };
 
 }  // namespace collided::engine::bvh

@@ -11,8 +11,8 @@
 #include "server/broad_phase/hierarchy/bvh_near_pairs.hpp"
 #include "server/geometry/tolerance.hpp"
 
-// In double, since a distance far larger than the meshes, or far smaller, has to tell their triangles apart. Without
-// fused operations, so that every instruction set offers the same pairs in the same order.
+// In double, since a distance far larger or smaller than the meshes must still distinguish their triangles. Without
+// fused operations, so that every instruction set produces the same pairs in the same order.
 HWY_BEFORE_NAMESPACE();
 namespace collided::engine::bvh::HWY_NAMESPACE {
 namespace {
@@ -28,11 +28,11 @@ constexpr double kMuchLarger = 2;
 /// Squares are rounded three times a term and twice in their sum; the largest of several is off by no more.
 constexpr double kSquareShare = 1 - 0x1p-48;
 
-/// Positions off by some slack on each axis are off along a unit vector by sqrt(3) times as much; the rest is for the
-/// roundings of the products with it.
+/// Positions off by some slack on each axis are off along a unit vector by sqrt(3) times as much; the rest covers the
+/// rounding of the products with it.
 constexpr double kAlongNormal = 3;
 
-/// Eight boxes as seen along a's axes (0 to 2) and along b's (3 to 5); a lane whose bit is not in `present` is empty.
+/// Eight boxes along a's axes (0 to 2) and along b's (3 to 5); a lane whose bit is not in `present` is empty.
 struct TurnedBoxes {
   HWY_ALIGN double low[6][kWidth];
   HWY_ALIGN double high[6][kWidth];
@@ -44,19 +44,19 @@ struct TurnedBoxes {
   }
 };
 
-/// How far points reach along a direction, both ways.
+/// The reach of points along a direction, both ways.
 struct EndsAlong {
   double low;
   double high;
 };
 
-/// A leaf's triangles: corners and normals along a's axes, the latter as long as twice the area. Lanes without a triangle
-/// repeat the first.
+/// A leaf's triangles: corners and normals along a's axes, the latter as long as twice the area. Lanes without a
+/// triangle repeat the first.
 struct Sheets {
   HWY_ALIGN double corner[3][3][kWidth];  // corner, axis
   HWY_ALIGN double normal[3][kWidth];
   double middle[3];       // of all corners
-  double mean_normal[3];  // at most of length 1
+  double mean_normal[3];  // at most length 1
   EndsAlong along_mean;
   unsigned present = 0;
 };
@@ -80,7 +80,7 @@ HWY_INLINE Wide turned_size(const double (&row)[3], const Wide (&v)[3]) {
   return product(rows, v);
 }
 
-/// Missing children are infinite; they become empty boxes of finite ends.
+/// Missing children are infinite; converts them to empty boxes with finite ends.
 HWY_INLINE Wide finite(Wide place) { return hn::Min(hn::Max(place, all(-2)), all(2)); }
 
 /// The boxes of one tree: its own axes are stored from `own` on, in a's unit; `turn` leads to the other's.
@@ -106,7 +106,8 @@ HWY_INLINE void boxes_of(const float* const (&low)[3], const float* const (&high
                          const NearPairFrame& frame, TurnedBoxes& out) {
   out.present = 0;
   for (int lane = 0; lane < kWidth; ++lane) {
-    // Apart from the shift: g++ 12 with -fsanitize=undefined takes another lane for the element than for the shift.
+    // Index apart from the shift: g++ 12 with -fsanitize=undefined uses another lane for the element than for the
+    // shift.
     const std::uint32_t is_present = low[0][lane] <= high[0][lane] ? 1 : 0;
     out.present |= is_present << lane;
   }
@@ -122,7 +123,7 @@ HWY_INLINE void boxes_of(const float* const (&low)[3], const float* const (&high
   }
 }
 
-/// How far all corners reach along a direction.
+/// The reach of all corners along a direction.
 HWY_INLINE EndsAlong ends_of(const Sheets& sheets, const double (&direction)[3]) {
   Wide low = all(std::numeric_limits<double>::infinity());
   Wide high = all(-std::numeric_limits<double>::infinity());
@@ -144,7 +145,7 @@ double sum_of(const double (&values)[kWidth]) {
   return sum;
 }
 
-/// Makes a vector's length at most 1: 1 up to rounding where it is not tiny.
+/// Makes a vector's length at most 1, and 1 up to rounding unless it is tiny.
 void shorten(double (&v)[3]) {
   const double length = std::sqrt(std::max(v[0] * v[0] + v[1] * v[1] + v[2] * v[2], 0x1p-1000));
   for (double& x : v) x /= length;
@@ -198,9 +199,9 @@ HWY_INLINE void sheets_of(const Leaf& leaf, int count, bool has_corners, bool of
 
 double gap_between(const EndsAlong& a, const EndsAlong& b) { return std::max(a.low - b.high, b.low - a.high); }
 
-/// How far apart, at least, the triangles of two leaves lie, up to the slack along a direction; not negative unless the
-/// leaves are small and near. Tries the mean normal of each, then the line between their middles: together they tell two
-/// patches of smooth surfaces apart whose boxes overlap.
+/// Lower bound on the distance of the triangles of two leaves, up to the slack along a direction; not negative unless
+/// the leaves are small and near. Tries the mean normal of each, then the line between their middles: together they
+/// separate two patches of smooth surfaces whose boxes overlap.
 double gap_of_leaves(const Sheets& a, const Sheets& b, double enough) {
   double gap = gap_between(a.along_mean, ends_of(b, a.mean_normal));
   if (gap > enough) return gap;
@@ -239,7 +240,7 @@ struct SomeSheets {
   }
 };
 
-/// How far apart, at least, two triangles lie along a line of any length, up to the slack.
+/// Lower bound on the distance of two triangles along a line of any length, up to the slack.
 HWY_INLINE Wide gap_along(const Wide (&line)[3], const Wide (&a)[3][3], const Wide (&b)[3][3]) {
   Wide on_a[3], on_b[3];
   for (int corner = 0; corner < 3; ++corner) {
@@ -248,7 +249,7 @@ HWY_INLINE Wide gap_along(const Wide (&line)[3], const Wide (&a)[3][3], const Wi
   }
   const Wide after = hn::Sub(least(on_b[0], on_b[1], on_b[2]), most(on_a[0], on_a[1], on_a[2]));
   const Wide before = hn::Sub(least(on_a[0], on_a[1], on_a[2]), most(on_b[0], on_b[1], on_b[2]));
-  // A line that is nearly nothing, as of a triangle without area, tells less than it could.
+  // A nearly vanishing line, as for a triangle without area, gives a weaker bound.
   return hn::Div(hn::Max(after, before), hn::Sqrt(hn::Max(product(line, line), all(0x1p-1000))));
 }
 
@@ -316,7 +317,7 @@ class SheetCache {
   Sheets sheets_[kPlaces];
 };
 
-/// A node or leaf with the lane of the boxes that its own is in.
+/// A node or leaf, and the lane of its box.
 struct TreePlace {
   Ref ref;
   const TurnedBoxes* boxes;
@@ -476,7 +477,7 @@ bool prepare_near_pairs(const Layout& a, const Layout& b, const Mat3& rotation, 
   const double sum_m = rows * b.frame.origin.lpNorm<1>() + position.lpNorm<1>() + a.frame.origin.lpNorm<1>();
   const double skew = (rotation.transpose() * rotation - Mat3::Identity()).cwiseAbs().maxCoeff() + kFewSlack;
   // A position takes at most eight roundings before the walk and twelve in it, each relative to `far`. Along b's axes
-  // its own positions are turned there and back.
+  // its own positions are rotated there and back.
   const double off = (slack_m + 0x1p-49 * sum_m) * out.scale + 0x1p-47 * far + 3 * skew * out.unit_b;
   out.slack = std::max(1.0, columns) * off * (1 + kBoundSlack);
   out.edge_slack = ((a.has_corners ? 0 : kEdgeRounding) + (b.has_corners ? 0 : kEdgeRounding * out.unit_b)) *

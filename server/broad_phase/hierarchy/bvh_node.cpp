@@ -5,8 +5,8 @@
 namespace collided::engine::bvh {
 namespace {
 
-/// The child to cut next: the one with the largest surface, or with the most triangles where only counts still divide;
-/// -1 when each fits a leaf.
+/// The child to cut next: the one with the largest surface, or with the most triangles if only counts can divide; -1 if
+/// each fits a leaf.
 int next_cut(const Range (&children)[kWidth], int count, bool by_count) {
   int next = -1;
   for (int i = 0; i < count; ++i) {

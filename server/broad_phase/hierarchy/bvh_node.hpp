@@ -22,8 +22,8 @@ void set_child(Node& node, int slot, const FloatBox& box, Ref ref);
 /// Sets the order of children near to far, for each octant of directions.
 void set_order(const Cut (&cuts)[kWidth], int child_count, Node& node);
 
-/// Cuts a range until there are eight children or none exceeds a leaf, and reorders its primitives; returns how many
-/// children there are.
+/// Cuts a range until there are eight children or all fit leaves, and reorders its primitives; returns the number of
+/// children.
 ///
 /// by_count  in halves by count, for a range so deep in the tree that the surface-area heuristic has failed
 int cut_wide(std::span<Primitive> primitives, const Range& range, bool by_count, Range (&children)[kWidth],

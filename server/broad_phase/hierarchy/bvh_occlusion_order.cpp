@@ -11,16 +11,16 @@
 namespace collided::engine::bvh {
 namespace {
 
-/// Leaves that a thread takes at a time.
+/// Leaves per batch of a thread.
 constexpr std::size_t kLeavesARun = 16384;
 // Relative costs of testing a node's eight boxes and a leaf's eight triangles.
 constexpr float kNodeCost = 1;
 constexpr float kLeafCost = 1.5f;
 
-/// What a walk may expect in a subtree.
+/// The expected result of a walk in a subtree.
 struct Outlook {
-  float surface = 0;  // of its triangles, both sides
-  float cost = 0;     // to search it until something is met, in node steps
+  float surface = 0;  // area of its triangles, both sides
+  float cost = 0;     // expected node steps to search it until a hit
 };
 
 /// The area of all triangles, both sides.

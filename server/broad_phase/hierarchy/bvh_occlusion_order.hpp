@@ -4,12 +4,12 @@
 
 namespace collided::engine::bvh {
 
-/// Gives every node of a finished tree the order in which a ray that any triangle stops is likely to be stopped
-/// soonest: children by the chance that a ray through their box meets a triangle there, over the cost of searching it.
-/// A line that meets a convex body of surface A meets a surface of area S inside it 2 S / A times on average.
+/// Sets every node's order for rays that any triangle stops: the child first that is likely to stop a ray soonest, by
+/// the chance that a ray through its box meets a triangle there, over the cost of searching it. A line that meets a
+/// convex body of surface A meets a surface of area S inside it 2 S / A times on average.
 ///
 /// source  the ratio: Nah, Manocha, "SATO: Surface Area Traversal Order for Shadow Ray Tracing", 2014; the mean count:
-/// Crofton's formula
+///         Crofton's formula
 void set_occlusion_orders(Layout& layout, unsigned threads);
 
 }  // namespace collided::engine::bvh

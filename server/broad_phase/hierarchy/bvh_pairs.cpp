@@ -15,7 +15,7 @@ namespace collided::engine::bvh::HWY_NAMESPACE {
 /// opening both.
 constexpr float kMuchLarger = 2;
 
-/// A box as seen along a's axes (0 to 2) and along b's axes (3 to 5).
+/// A box along a's axes (0 to 2) and along b's axes (3 to 5).
 struct SixBox {
   float low[6];
   float high[6];
@@ -45,8 +45,8 @@ struct Facets {
   SixBoxes boxes;
   HWY_ALIGN float corner[3][3][kWidth];  // corner, axis
   HWY_ALIGN float normal[3][kWidth];     // cross product of two edges
-  HWY_ALIGN float edge[kWidth];          // the largest component of those edges
-  HWY_ALIGN float margin[kWidth];        // for a: how far its corners and b's may be off together
+  HWY_ALIGN float edge[kWidth];          // largest component of those edges
+  HWY_ALIGN float margin[kWidth];        // for a: how far its corners and b's together may be off
 };
 
 /// A small direct-mapped cache of prepared leaves: neighbouring leaves are needed repeatedly, each by several of the
@@ -58,7 +58,7 @@ class FacetCache {
   FacetCache() { std::fill(std::begin(held_), std::end(held_), kNothing); }
 
   Facets& at(Ref leaf) { return facets_[leaf % kPlaces]; }
-  /// Whether the leaf is in the cache; if not, it takes the place and the caller must fill it in.
+  /// True if the leaf is in the cache; if not, it takes the entry and the caller must fill it.
   bool holds(Ref leaf) {
     Ref& held = held_[leaf % kPlaces];
     if (held == leaf) return true;
@@ -248,7 +248,7 @@ struct SomeFacets {
   }
 };
 
-/// Where all three corners of the points' triangle are surely on one side of the planes' triangle.
+/// Lanes in which all three corners of the points' triangle are certainly on one side of the planes' triangle.
 ///
 /// Decided by the sign of n . d, with n a cross product of two edges (components at most L) and d the difference from a
 /// point of the plane (at most D). In floats a difference, product, difference, product and two sums round each of six
@@ -271,7 +271,7 @@ HWY_INLINE unsigned one_sided(const SomeFacets& planes, const SomeFacets& points
     motion = hn::Max(motion, largest_component(dx, dy, dz));
     side[corner] = hn::MulAdd(normal[0], dx, hn::MulAdd(normal[1], dy, hn::Mul(normal[2], dz)));
   }
-  // One percent more for the roundings of the bound itself; the last term covers products that underflow.
+  // One percent more for the rounding of the bound itself; the last term covers products that underflow.
   const Lanes length = hn::MulAdd(margin, hn::Set(kFloats, 2.0f), planes.get(plane.edge));
   const Lanes distance = hn::Add(margin, motion);
   const Lanes of_margin =

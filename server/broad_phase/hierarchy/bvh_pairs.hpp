@@ -14,7 +14,7 @@ struct PairFrame {       // b's local origin in a's local coordinates: the sum o
   float center_low[3];
   float to_a[3][3];
   float to_b[3][3];
-  float reach;        // a's boxes are cut off here; b lies well within
+  float reach;        // a's boxes are clipped to this; b lies well within
   float box_slack_a;  // for boxes
   float box_slack_b;
   float slack_a;  // for triangles near b; grows by grow_a, grow_b times the distance farther out
@@ -23,16 +23,16 @@ struct PairFrame {       // b's local origin in a's local coordinates: the sum o
   float grow_b;
 };
 
-/// What prepare_pairs() found out.
+/// Result of prepare_pairs().
 enum class PairCase { apart, near, odd };
 
 /// Prepares the walk for p_a = rotation p_b + position, off by at most slack_m on each axis. odd: floats cannot resolve
-/// the pair (lengths out of their range, b a speck in a, or no rotation), so every triangle near b's bounds must be
-/// paired with all of b's.
+/// the pair (lengths out of their range, b a speck in a, or a matrix that is not a rotation), so every triangle near
+/// b's bounds must be paired with all of b's.
 PairCase prepare_pairs(const Layout& a, const Layout& b, const Mat3& rotation, const Vec3& position, double slack_m,
                        PairFrame& out);
 
-/// Calls candidate with (triangle of a, triangle of b), or exchanged where `swapped`.
+/// Calls candidate with (triangle of a, triangle of b), or exchanged if `swapped`.
 void walk_pairs(const Layout& a, const Layout& b, const PairFrame& frame, bool swapped, Bvh::PairCandidate candidate,
                 Bvh::Interrupt is_over, WalkCost& cost);
 

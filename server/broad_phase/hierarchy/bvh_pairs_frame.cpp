@@ -8,11 +8,10 @@
 namespace collided::engine::bvh {
 namespace {
 
-/// b must be no smaller than this in a: below, double resolves little of it and cubes of floats are near the end of
-/// their range.
+/// Smallest ratio of b to a: below it, double resolves little of b and cubes of floats are near the end of their range.
 constexpr int kSmallestRatioExponent = -40;
 constexpr double kLargestSlack = 0x1p20;
-/// How far rotation^T rotation may be from the identity: far below what floats resolve.
+/// Bound on the difference of rotation^T rotation and the identity: far below what floats resolve.
 constexpr double kOrthonormal = 0x1p-30;
 /// Corners kept as edges are off by 5 * 2^-24 of the local unit (see triangle_boxes).
 constexpr double kEdgeRounding = 0x1p-21;

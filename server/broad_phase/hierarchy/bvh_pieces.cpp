@@ -13,13 +13,13 @@ namespace {
 /// At zero, BvhPieces.CoverAnEdgeBesideTheCut fails.
 constexpr double kPieceSlack = 0x1p-43;
 
-/// More extra references than this share of the triangles are not worth their memory.
+/// A larger share of extra references than this is not worth the memory.
 constexpr double kMostExtraReferences = 0.25;
 /// The splits must remove at least this share of the empty area in the triangles' boxes. A mesh of equal triangles
 /// reaches 0.13 with the references allowed above; a few large slanted ones among many approach 1.
 constexpr double kLeastGain = 0.35;
 
-/// Triangles that a thread takes at a time.
+/// Triangles per batch of a thread.
 constexpr std::size_t kPiecesARun = 65536;
 
 struct Polygon {
@@ -101,7 +101,7 @@ std::uint32_t cover_part(const Polygon& polygon, const Primitive& box, const Pri
   return written + cover_part(above, above_box, whole, count - below_count, pieces.subspan(written));
 }
 
-/// Half the surface of the box beyond what the triangle and its twin across the box's diagonal would need: splitting
+/// Half the surface of the box beyond that needed by the triangle and its twin across the box's diagonal: splitting
 /// gains nothing for half a rectangle, which shares its box with the other half.
 float empty_area(const TriangleMesh& mesh, const LocalFrame& frame, const Primitive& whole) {
   const Triangle world = mesh.triangle(whole.triangle());
@@ -122,8 +122,8 @@ std::uint64_t extra_references(std::span<const float> priorities, std::size_t st
   return extra;
 }
 
-/// Roughly the largest scale at which the pieces are within the allowed number: found on a sample, then lowered until
-/// all fit.
+/// Approximately the largest scale at which the pieces are within the allowed number: found on a sample, then lowered
+/// until all fit.
 float fitted_scale(std::span<const float> priorities) {
   const float largest = *std::max_element(priorities.begin(), priorities.end());
   if (!(largest > 0)) return 0;

@@ -8,7 +8,7 @@
 
 namespace collided::engine::bvh {
 
-/// What the tree stores of one triangle, determined by mesh and frame alone: the build writes it, and the check of a
+/// What the tree stores about one triangle, a function of mesh and frame alone: the build writes it, and the check of a
 /// saved tree computes it again.
 
 /// The triangle's bounds in local coordinates, rounded outward, with its number.

@@ -1,5 +1,5 @@
-// A ray made ready for the walk, for each instruction set: in the tree's own frame, in float, with every rounding in its
-// slack. Included once per target, as Highway's own -inl files are.
+// Prepares a ray for the walk, for each instruction set: in the tree's own frame, in float, with every rounding covered
+// by its slack. Included once per target, like Highway's own -inl files.
 #if defined(COLLIDED_BVH_RAY_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef COLLIDED_BVH_RAY_INL
 #undef COLLIDED_BVH_RAY_INL
@@ -21,8 +21,8 @@ namespace hn = hwy::HWY_NAMESPACE;
 using Axes = hn::CappedTag<double, 4>;
 using AxesFloat = hn::Rebind<float, Axes>;
 
-/// A vector in the first three lanes, zero in the spare one. By single numbers: they were mostly written just before, one
-/// by one, and a load of several waits until those stores have reached the cache.
+/// A vector in the first three lanes, zero in the spare one. Loaded as single numbers: they were usually written just
+/// before, one by one, and a wider load would wait until those stores have reached the cache.
 HWY_INLINE hn::Vec<Axes> axes_of([[maybe_unused]] const Vec3& v) {
   constexpr Axes axes;
 #if HWY_TARGET != HWY_SCALAR
@@ -35,7 +35,8 @@ HWY_INLINE hn::Vec<Axes> axes_of([[maybe_unused]] const Vec3& v) {
   return hn::Zero(axes);
 }
 
-/// Which of a node's planes the ray meets first and last on each axis, as byte offsets, and the octant it goes to.
+/// The planes of a node that the ray meets first and last on each axis, as byte offsets, and the octant of its
+/// direction.
 HWY_INLINE void set_plane_offsets(hn::Vec<AxesFloat> inverse, RayFrame& out) {
   constexpr AxesFloat floats;
   using Offsets = hn::RebindToUnsigned<AxesFloat>;
@@ -50,8 +51,8 @@ HWY_INLINE void set_plane_offsets(hn::Vec<AxesFloat> inverse, RayFrame& out) {
   out.octant = backward[0] & 7u;
 }
 
-/// The fast path of prepare_any_ray for usual rays, taking each error as the worst of its kind; false: not usual. Most
-/// rays have no slack.
+/// The fast path of prepare_any_ray for usual rays, taking each error as the worst of its kind; false if the ray is not
+/// usual. Most rays have no slack.
 template <bool kSlack>
 HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& out) {
   using namespace ray_detail;
@@ -105,7 +106,7 @@ HWY_INLINE bool prepare_usual_ray(const Layout& layout, const Ray& ray, double s
   return true;
 }
 
-/// The ray in the tree's frame; false where it cannot meet anything.
+/// The ray in the tree's frame; false if it cannot meet anything.
 HWY_INLINE bool prepare_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& out) {
   const bool is_usual =
       slack_m == 0 ? prepare_usual_ray<false>(layout, ray, 0, out) : prepare_usual_ray<true>(layout, ray, slack_m, out);

@@ -32,11 +32,11 @@ void two_difference(double x, double y, double& difference, double& rest) {
 
 /// A ray with a start far out, where the subtraction of the frame's origin may round.
 struct FarRay : LocalRay {
-  double origin_rest[3];  // what the subtraction of the frame's origin rounded away
+  double origin_rest[3];  // the rounding error of subtracting the frame's origin
   bool is_known = true;
 };
 
-/// Sets start and direction in local coordinates; false where the direction is zero.
+/// Sets start and direction in local coordinates; false if the direction is zero.
 bool localize(const LocalFrame& frame, const Ray& ray, FarRay& local, RayFrame& out) {
   const double largest = ray.direction.cwiseAbs().maxCoeff();
   if (!(largest > 0)) return false;
@@ -69,7 +69,7 @@ double entry_of(const Layout& layout, const FarRay& local) {
   for (int axis = 0; axis < 3; ++axis) {
     const double o = local.origin[axis];
     const double d = local.direction[axis];
-    // Grown by the rounding of the start, so that a start beside a face is not taken to be behind it.
+    // Grown by the rounding of the start, so that a start beside a face does not count as behind it.
     const double grown = local.slack + local.origin_error[axis] + kRelative * (1 + std::abs(o));
     const double low = static_cast<double>(layout.root_low[axis]) - grown;
     const double high = static_cast<double>(layout.root_high[axis]) + grown;
@@ -107,7 +107,7 @@ bool move_to_scene(const Layout& layout, FarRay& local, double (&moved)[3]) {
   return true;
 }
 
-/// For a start of which nothing is known: every box and triangle passes.
+/// For a start about which nothing is known: every box and triangle passes.
 void accept_everything(RayFrame& out) {
   for (int axis = 0; axis < 3; ++axis) {
     out.origin[axis] = 0;

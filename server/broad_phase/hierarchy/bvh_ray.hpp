@@ -31,16 +31,17 @@ struct alignas(16) RayFrame {
   std::uint32_t octant;  // bit k: backward along axis k
   float sign_slope, sign_floor;
   float entry_slope, entry_linear, entry_floor;
-  float parameter_cap;  // no triangle is met beyond it
+  float parameter_cap;  // no triangle is hit beyond it
   bool is_moved = false;
 
   /// Local parameter of a world parameter, rounded up; negative: the walk is over.
   float local_limit(double limit) const;
-  /// Local parameter of a world parameter known to within 2^-40, rounded down; negative: nothing is surely within it.
+  /// Local parameter of a world parameter known to within 2^-40, rounded down; negative: nothing is certainly within
+  /// it.
   float sure_limit(double limit) const;
 
   double to_local_1, to_local_2;  // their product turns s into the local parameter, before the start is moved
-  // How far the start was moved, in local parameters; is_moved: these count.
+  // How far the start was moved, in local parameters; used if is_moved.
   double moved[3];
 };
 
@@ -52,7 +53,7 @@ inline constexpr double kTiny = 0x1p-120;
 /// ray drifts by 2^-55, half of kLeastSlack.
 inline constexpr double kLeastDirection = 0x1p-60;
 inline constexpr double kLeastSlack = 0x1p-54;
-/// A start farther out than this is moved up to the scene first, so that floats resolve the scene rather than the
+/// A start farther out than this is first moved up to the scene, so that floats resolve the scene instead of the
 /// distance to it.
 inline constexpr double kNear = 4;
 inline constexpr double kEverything = 0x1p40;
@@ -131,7 +132,7 @@ inline void set_leaf_slack(double start_error, double slack, RayFrame& out) {
   out.parameter_cap = static_cast<float>(kRaise * c);
 }
 
-/// The same for a start with no error but its rounding to floats, and no slack. For a start at most r away, with w = 1
+/// Sets it for a start whose only error is its rounding to floats, and no slack. For a start at most r away, with w = 1
 /// + r, the sign slope is 1.01 d u (12 r + 12 + 128 w + 96) = 1.01 d u (140 w + 96), the entry slope 1.01 u (6 r + 6 +
 /// (61 + 48 d) w) = 1.01 u (67 + 48 d) w; the other 2 per mille cover terms of 2^-29 of these and the roundings here.
 inline void set_usual_leaf_slack(float reach, float d, RayFrame& out) {
@@ -171,13 +172,13 @@ inline bool is_usual(int direction_exponent, int scale_exponent) {
 }
 
 /// The slow path, for any ray: starts far out, directions and scenes of extreme scale, slack as large as the scene.
-/// False: the ray surely misses the scene.
+/// False: the ray certainly misses the scene.
 bool prepare_any_ray(const Layout& layout, const Ray& ray, double slack_m, RayFrame& frame);
 
 }  // namespace ray_detail
 
 inline float RayFrame::local_limit(double limit) const {
-  // Avoids 0 * infinity: an endless ray has no limit at any scale, and where a scale overflows nothing is known.
+  // Avoids 0 * infinity: an endless ray has no limit at any scale, and if a scale overflows nothing is known.
   if (limit == std::numeric_limits<double>::infinity()) return std::numeric_limits<float>::infinity();
   if (!(limit >= 0)) return -1;
   if (limit == 0 && std::isinf(to_local_1)) return std::numeric_limits<float>::infinity();
@@ -191,7 +192,7 @@ inline float RayFrame::local_limit(double limit) const {
 }
 
 /// If the start was moved, the limit is a difference, which may have lost all its digits. An endless ray's is beyond
-/// every parameter but finite, since its product with an edge-on triangle's determinant would be no number.
+/// every parameter but finite, since its product with an edge-on triangle's determinant would be NaN.
 inline float RayFrame::sure_limit(double limit) const {
   if (limit == std::numeric_limits<double>::infinity()) return 2 * parameter_cap;
   return is_moved ? -1 : local_limit(limit) * (1 - 0x1p-20f) - static_cast<float>(4 * ray_detail::kTiny);

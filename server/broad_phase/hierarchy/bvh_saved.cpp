@@ -11,7 +11,7 @@ namespace collided::engine::bvh {
 namespace {
 
 constexpr char kMagic[8] = {'C', 'B', 'S', 'P', 'T', 'R', 'E', 'E'};
-/// Grows with every change in the meaning of the bytes; a tree of another version is built again.
+/// Increase it with every change in the meaning of the bytes; a tree of another version is rebuilt.
 constexpr std::uint32_t kVersion = 2;
 constexpr std::uint32_t kByteOrder = 0x01020304;
 
@@ -48,7 +48,7 @@ std::uint64_t header_checksum(const SavedHeader& header) {
   return checksum(std::as_bytes(std::span(&header, 1)).first(offsetof(SavedHeader, header_checksum)), 1);
 }
 
-/// The flaws that show before anything but the header is read.
+/// Checks for flaws that are visible in the header alone.
 std::string flaw_of_header(const SavedHeader& header, const TriangleMesh& mesh, std::size_t byte_count) {
   if (std::memcmp(header.magic, kMagic, sizeof(kMagic)) != 0) return "it does not begin as one";
   if (header.version != kVersion)

@@ -7,7 +7,7 @@ namespace collided::engine::bvh {
 namespace {
 
 constexpr int kBins = 16;
-/// A leaf of eight costs one SIMD test however full it is, so cost counts groups of triangles rather than triangles.
+/// A leaf of eight costs one SIMD test however full it is, so cost counts groups of triangles.
 constexpr std::uint32_t kGroup = 8;
 
 struct Bin {

@@ -51,7 +51,7 @@ struct Range {
 };
 
 /// Cuts a range of at least two primitives into two non-empty ones, reordering them: at the plane of least surface-area
-/// cost among 16 per axis, or in halves by count where no plane separates or `by_count` is set.
+/// cost among 16 per axis, or in halves by count if no plane separates or `by_count` is set.
 ///
 /// source  Wald, "On fast Construction of SAH-based Bounding Volume Hierarchies", 2007
 /// returns the axis along which the right range lies above the left one; 0 after halving by count

@@ -34,14 +34,14 @@ void in_parallel(unsigned threads, std::size_t count, const Work& work) {
     try {
       for (unsigned i = 1; i < threads && i < count; ++i) helpers.emplace_back(run, false);
     } catch (const std::system_error&) {
-      // No memory for another stack: fewer threads do the work.
+      // There is no memory for another stack: fewer threads do the work.
     }
     run(true);
   }
   if (failure) std::rethrow_exception(failure);
 }
 
-/// The same over [0, size) in runs: work(begin, end).
+/// Covers [0, size) in runs: work(begin, end).
 template <typename Work>
 void in_runs(unsigned threads, std::size_t size, std::size_t run, const Work& work) {
   in_parallel(threads, (size + run - 1) / run,

@@ -1,5 +1,5 @@
-// What the walks of single rays and of batches share, for each instruction set. Included once per target, as Highway's
-// own -inl files are.
+// Shared by the walks of single rays and of batches, for each instruction set. Included once per target, like Highway's
+// own -inl files.
 #if defined(COLLIDED_BVH_WALK_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef COLLIDED_BVH_WALK_INL
 #undef COLLIDED_BVH_WALK_INL
@@ -19,7 +19,7 @@ HWY_BEFORE_NAMESPACE();
 namespace collided::engine::bvh::HWY_NAMESPACE {
 namespace hn = hwy::HWY_NAMESPACE;
 
-// Eight lanes where the machine has them, else two halves of four (or fewer).
+// Eight lanes if the machine has them, else two halves of four (or fewer).
 using Floats = hn::CappedTag<float, kWidth>;
 using Lanes = hn::Vec<Floats>;
 constexpr Floats kFloats;
@@ -52,8 +52,8 @@ struct Slabs {
   }
 };
 
-/// Children of a node in the order of the walk. waiting: those that the ray may meet and that are not visited yet, one
-/// bit each, lowest first.
+/// Children of a node in the order of the walk. waiting: the unvisited ones that the ray may meet, one bit each, lowest
+/// first.
 struct alignas(32) WalkFrame {
   float entry[kWidth];
   Ref child[kWidth];
@@ -61,7 +61,7 @@ struct alignas(32) WalkFrame {
 };
 HWY_INLINE unsigned place_of(unsigned waiting) { return static_cast<unsigned>(__builtin_ctz(waiting)); }
 
-/// A node's order as numbers: lane k holds which child the walk takes k-th. For eight lanes.
+/// A node's order as numbers: lane k holds the k-th child of the walk. For eight lanes.
 using Numbers = hn::RebindToUnsigned<Floats>;
 HWY_INLINE hn::Vec<Numbers> places_in(std::uint32_t order) {
   constexpr Numbers numbers;
@@ -69,8 +69,8 @@ HWY_INLINE hn::Vec<Numbers> places_in(std::uint32_t order) {
   return hn::And(hn::Shr(hn::Set(numbers, order), shift), hn::Set(numbers, 7));
 }
 
-/// The order in which a walk takes a node's children: near to far, or, where any triangle is enough, those first that
-/// most rays stop at.
+/// The order in which a walk takes a node's children: near to far, or, if any triangle is enough, those first that most
+/// rays stop at.
 enum class Way { near_first, most_occluding_first };
 
 /// Writes a node's children into the frame and returns those that the ray may meet at a parameter in [0, limit], in the
@@ -142,13 +142,13 @@ class TriangleTest {
     }
     return mask;
   }
-  /// Triangles that the ray's line surely meets at a parameter of at least 0: the signs agree beyond every rounding.
+  /// Triangles that the ray's line certainly meets at a parameter of at least 0: the signs agree beyond every rounding.
   HWY_INLINE unsigned sure() const {
     unsigned mask = 0;
     for (int part = 0; part < kParts; ++part) mask |= bits_of(is_sure(part)) << (part * kLanes);
     return mask;
   }
-  /// Those of them surely met at a parameter of at most the limit.
+  /// Those of them certainly met at a parameter of at most the limit.
   HWY_INLINE unsigned sure_within(float limit) const {
     unsigned mask = 0;
     for (int part = 0; part < kParts; ++part) {
@@ -163,7 +163,7 @@ class TriangleTest {
       hn::Store(hn::Div(along_[part], divisor(part)), kFloats, parameter + part * kLanes);
     }
   }
-  /// Lower bounds of the parameters, and upper ones for triangles that are surely met: the slack covers the error of
+  /// Lower bounds of the parameters, and upper ones for triangles that are certainly met: the slack covers the error of
   /// along_ and size_ together, 2^-21 the three roundings of the quotient.
   HWY_INLINE void bounds(float* low, float* high) const {
     for (int part = 0; part < kParts; ++part) {
@@ -255,7 +255,7 @@ struct NumberCall {
   }
 };
 
-/// The corners exactly as in the mesh: leaves hold corners only where the conversion to floats loses nothing.
+/// The corners exactly as in the mesh: leaves hold corners only if the conversion to floats loses nothing.
 HWY_INLINE Triangle corners_of(const Leaf& leaf, int lane, const LocalFrame& frame) {
   Triangle triangle;
   for (int axis = 0; axis < 3; ++axis) {
@@ -295,7 +295,7 @@ struct WalkReach {
   }
 };
 
-/// Offers one candidate; false: the walk is over.
+/// Visits one candidate; false: the walk is over.
 template <bool kCorners, class Call>
 HWY_INLINE bool tell(const Call& call, const RayFrame& ray, const Leaf& leaf, int lane, WalkReach& reach,
                      WalkCost& cost) {
@@ -304,7 +304,7 @@ HWY_INLINE bool tell(const Call& call, const RayFrame& ray, const Leaf& leaf, in
   return !reach.is_over();
 }
 
-/// Offers the candidates of a leaf, nearest first.
+/// Visits the candidates of a leaf, nearest first.
 template <bool kCorners, class Call>
 HWY_INLINE bool tell_every(const Call& call, const RayFrame& ray, const Leaf& leaf, unsigned met, const float* estimate,
                            WalkReach& reach, WalkCost& cost) {
@@ -320,8 +320,8 @@ HWY_INLINE bool tell_every(const Call& call, const RayFrame& ray, const Leaf& le
   return true;
 }
 
-/// Triangles that are surely hit, when the nearest is wanted: they shorten the reach when found, and only those that no
-/// nearer one rules out are offered in the end, usually one.
+/// Certain hits, if the nearest is wanted: they shorten the reach when found, and at the end only those are visited
+/// that no nearer one rules out, usually one.
 class SureHits {
  public:
   bool empty() const { return count_ == 0; }
@@ -330,7 +330,7 @@ class SureHits {
   int lane(int i) const { return lane_[i]; }
   void clear() { count_ = 0; }
 
-  /// Takes a leaf's hits, and offers those that are not certain. False: the walk is over.
+  /// Takes a leaf's hits, and visits those that are not certain. False: the walk is over.
   template <bool kCorners, class Call>
   HWY_INLINE bool visit(const Call& call, const RayFrame& ray, const Leaf& leaf, const TriangleTest<kCorners>& test,
                         unsigned met, WalkReach& reach, WalkCost& cost) {
@@ -360,7 +360,7 @@ class SureHits {
     return true;
   }
 
-  /// Offers those that may still be the nearest, in order of their lower bounds. False: the walk is over.
+  /// Visits those that may still be the nearest, in order of their lower bounds. False: the walk is over.
   template <bool kCorners, class Call>
   HWY_INLINE bool settle(const Call& call, const RayFrame& ray, WalkReach& reach, WalkCost& cost) {
     while (count_ > 0) {
@@ -399,7 +399,7 @@ class SureHits {
   std::uint8_t lane_[kMost];
 };
 
-/// The first triangle of a leaf, by its lane, that the ray meets; offers candidates only where floats leave doubt. By
+/// The first triangle of a leaf, by its lane, that the ray meets; visits candidates only if floats are uncertain. By
 /// lane, so that every instruction set finds the same one.
 template <bool kCorners, class Call>
 HWY_INLINE std::uint32_t first_met(const Call& call, const RayFrame& ray, const Leaf& leaf, unsigned met, unsigned sure,
@@ -413,7 +413,7 @@ HWY_INLINE std::uint32_t first_met(const Call& call, const RayFrame& ray, const 
   return Bvh::kNoTriangle;
 }
 
-/// Goes to the next waiting child that is not beyond the limit; false: there is none.
+/// Goes to the next waiting child that is not beyond the limit; false if there is none.
 HWY_INLINE bool climb(const WalkFrame* stack, float limit, WalkFrame*& top, Ref& ref) {
   float entry;
   do {

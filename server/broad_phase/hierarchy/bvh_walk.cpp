@@ -54,7 +54,7 @@ HWY_INLINE unsigned overlapping(const Boxes& boxes, const LocalBox& asked) {
   return bits_of(all);
 }
 
-/// kBoxes: a leaf is one box, which was met as a child of its node.
+/// kBoxes: a leaf is one box, already tested as a child of its node.
 template <bool kBoxes>
 HWY_INLINE void walk_overlapping(const Layout& layout, const LocalBox& asked, Bvh::BoxCandidate candidate,
                                  WalkCost& cost) {
@@ -204,7 +204,7 @@ HWY_INLINE LaneVector feet_of(const SeenTriangles& t) {
   return best;
 }
 
-/// Lower bounds of the squared distances. Whatever vector v to the foot was found, the triangle lies behind the plane
+/// Lower bounds of the squared distances. For any vector v to the foot, the triangle lies behind the plane
 /// perpendicular to it at the least of its corners' w . v / |v|. Each coordinate of w is off by `error` and two
 /// roundings, the product by three more, all of |w| |v| at most: sqrt(3) error + (2 sqrt(3) + 3) 2^-24 |w| in the
 /// quotient, and |w| is at most sqrt(3) times the largest coordinate: below 2 error + 2^-20 of that.
@@ -216,7 +216,7 @@ HWY_INLINE Lanes squares_below(const Leaf& leaf, int first, bool has_corners, co
   const Lanes largest = hn::Max(largest_of(t.a), hn::Max(largest_of(t.b), largest_of(t.c)));
   const Lanes error = hn::MulAdd(largest, hn::Set(kFloats, 0x1p-20f), hn::Set(kFloats, 2 * t.error));
   const Lanes behind = hn::Sub(hn::Mul(hn::Div(least, hn::Sqrt(foot2)), hn::Set(kFloats, 1 - 0x1p-19f)), error);
-  // A vector of length 0 gives no plane, nor does NaN.
+  // A vector of length 0 or NaN gives no plane.
   const auto known = hn::And(hn::Gt(foot2, hn::Set(kFloats, 0x1p-80f)), hn::Gt(behind, hn::Zero(kFloats)));
   return hn::IfThenElseZero(known, hn::Mul(hn::Mul(behind, behind), hn::Set(kFloats, 1 - 0x1p-20f)));
 }
@@ -227,7 +227,7 @@ struct Waiting {
   float entry;
 };
 
-/// Offers the triangles of a leaf whose bounds in `square` are within the limit, which shrinks meanwhile; returns the
+/// Visits the triangles of a leaf whose bounds in `square` are within the limit, which shrinks meanwhile; returns the
 /// new limit.
 HWY_INLINE double tell_near(const NumberCall& call, const Leaf& leaf, unsigned mask, const float* square,
                             const LocalPoint& point, double limit_m2, WalkCost& cost) {
@@ -265,13 +265,13 @@ HWY_INLINE int push_sorted(const Node& node, unsigned mask, const float* entry, 
   return size;
 }
 
-/// Visits the leaves of a walk for what is near.
+/// Visits the leaves of a walk for near triangles.
 class NearLeaves {
  public:
   NearLeaves(const Layout& layout, const LocalPoint& point, Bvh::NearCandidate candidate)
       : layout_(layout), point_(point), candidate_(candidate) {}
 
-  /// Offers the triangles of a leaf that may be near; returns the new limit.
+  /// Visits the triangles of a leaf that may be near; returns the new limit.
   HWY_INLINE double visit(Ref ref, float limit, double limit_m2, WalkCost& cost) {
     const Leaf& leaf = layout_.leaves[ref & kIndexMask];
     ++cost.nodes;
@@ -303,7 +303,7 @@ class NearLeaves {
   bool lists_all_ = false;
 };
 
-/// The same where a leaf is one box, which was met as a child of its node.
+/// For leaves of one box, already tested as a child of its node.
 struct NearBoxes {
   Bvh::NearCandidate candidate;
 
@@ -402,7 +402,7 @@ LocalBox local_box(const LocalFrame& frame, const Aabb& asked) {
 }
 
 LocalPoint local_point(const LocalFrame& frame, const Vec3& point, double slack_m) {
-  // Farther out, squares of floats overflow; a point moved nearer along an axis only makes the walk more generous.
+  // Farther out, squares of floats overflow; moving a point nearer along an axis only makes the walk more generous.
   constexpr double kFarthest = 0x1p60;
   const Vec3 local = frame.to_local(point);
   LocalPoint ends;

@@ -27,7 +27,7 @@ void walk_rays_in_turn(const Layout& layout, std::span<Bvh::RayTask> tasks, cons
 /// Eight rays at a time through each node; for the goals nearest and any.
 void walk_ray_packets(const Layout& layout, std::span<Bvh::RayTask> tasks, const TriangleMesh& mesh, Bvh::RayGoal goal);
 
-/// The walks that end in `_boxes` are of a BoxTree, where a child that is a leaf is one box, by its number.
+/// Walks that end in `_boxes` are for a BoxTree, in which a leaf child is one box, by its number.
 void walk_ray_boxes(const Layout& layout, const Ray& ray, double limit, Bvh::RayCandidate candidate, WalkCost& cost);
 
 /// A box in local coordinates, already grown by all roundings.

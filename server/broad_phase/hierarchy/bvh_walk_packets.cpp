@@ -15,20 +15,20 @@ namespace collided::engine::bvh::HWY_NAMESPACE {
 
 using Goal = Bvh::RayGoal;
 
-/// A waiting child, with the parameter at which each ray enters it; infinity where it does not.
+/// A waiting child, with the parameter at which each ray enters it; infinity if it does not.
 struct alignas(32) WaitingNode {
   float entry[kWidth];
   Ref ref;
 };
 
 /// Walks rays through the same children in the same order, one lane each: a node is loaded once for all of them, and no
-/// ray waits for another's arithmetic. In a leaf each ray is tested on its own, by the same tests as alone.
+/// ray waits for another's arithmetic. In a leaf each ray is tested separately, by the same tests as for a single ray.
 template <Goal kGoal, bool kCorners>
 class Packet {
  public:
   Packet(const Layout& layout, const TriangleMesh& mesh) : layout_(layout), mesh_(mesh) {}
 
-  /// False, without doing anything, where the rays do not agree on the order of children.
+  /// False, without doing anything, if the rays do not agree on the order of children.
   bool walk(std::span<Bvh::RayTask> tasks) {
     tasks_ = tasks;
     first_ = nullptr;
@@ -66,7 +66,7 @@ class Packet {
       limit_[i] = -1;
       if (!is_ray) continue;
       reach_[i] = {tasks_[i].limit, ray.local_limit(tasks_[i].limit)};
-      // Finite, so that a child that is not met stays beyond it.
+      // Finite, so that a child that is not entered stays beyond it.
       limit_[i] = std::min(reach_[i].local, std::numeric_limits<float>::max());
       if constexpr (kGoal == Goal::any) sure_limit_[i] = ray.sure_limit(tasks_[i].limit);
       sure_hits_[i].clear();
@@ -106,8 +106,8 @@ class Packet {
   }
 
   /// The children that some ray may meet, by the bounds of all rays' numbers: rounding preserves order, so none is
-  /// lost. Tests eight children at once, before single rays are tested child by child. Bit k stands for the k-th child
-  /// in the order of the walk.
+  /// lost. Tests eight children at once, before single rays are tested child by child. Bit k is the k-th child in the
+  /// order of the walk.
   /// source  interval arithmetic for packets: Boulos, Wald, Shirley, "Geometric and Arithmetic Culling Methods for
   /// Entire Ray Packets", University of Utah, 2006
   HWY_INLINE unsigned maybe_met(const Node& node, const RayFrame& first, std::uint32_t order) const {
@@ -143,7 +143,7 @@ class Packet {
     return ordered;
   }
 
-  /// Pushes the children that some ray meets, the next on top: in the order that each ray would take alone.
+  /// Pushes the children that some ray meets, the next on top, in the order of each single ray.
   HWY_INLINE std::size_t push_children(const Node& node, const RayFrame& first, std::size_t size) {
     const std::uint32_t order = kGoal == Goal::any ? node.occlusion_order() : node.order[first.octant];
     for (unsigned rest = maybe_met(node, first, order); rest != 0;) {
@@ -206,12 +206,12 @@ class Packet {
   const Layout& layout_;
   const TriangleMesh& mesh_;
   std::span<Bvh::RayTask> tasks_;
-  const RayFrame* first_ = nullptr;  // the first ray under way; all agree on its octant
+  const RayFrame* first_ = nullptr;  // the first ray in progress; all agree on its octant
   bool is_under_way_[kWidth];
   HWY_ALIGN float inverse_[3][kWidth];
   HWY_ALIGN float near_offset_[3][kWidth];
   HWY_ALIGN float far_offset_[3][kWidth];
-  float least_inverse_[3];  // over all rays, as are the following three
+  float least_inverse_[3];  // over all rays, like the following three
   float most_inverse_[3];
   float most_near_offset_[3];
   float least_far_offset_[3];
@@ -258,8 +258,8 @@ void walk_ray_packets(const Layout& layout, std::span<Bvh::RayTask> tasks, const
 
 namespace {
 
-/// Whether neighbours in the batch start close to each other, relative to the scene, and point in the same direction:
-/// then they will visit the same nodes.
+/// True if neighbours in the batch start close to each other, relative to the scene, and point in the same direction:
+/// then they visit the same nodes.
 bool is_alike(const Layout& layout, const Ray& a, const Ray& b) {
   constexpr double kClose = 0x1p-7;
   const double along = a.direction.dot(b.direction);

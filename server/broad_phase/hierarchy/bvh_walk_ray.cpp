@@ -11,7 +11,7 @@ namespace collided::engine::bvh::HWY_NAMESPACE {
 
 using Goal = Bvh::RayGoal;
 
-/// One ray's walk through the tree; for Goal::any it returns the triangle met, and its corners.
+/// One ray's walk through the tree; for Goal::any it returns the triangle hit, and its corners.
 template <Goal kGoal, bool kCorners, class Call>
 HWY_INLINE std::uint32_t walk_prepared(const Layout& layout, const RayFrame& ray, double limit, const Call& call,
                                        WalkCost& cost, [[maybe_unused]] Triangle* corners) {
@@ -52,7 +52,7 @@ HWY_INLINE std::uint32_t walk_prepared(const Layout& layout, const RayFrame& ray
         ref = top->child[place_of(waiting)];
         const unsigned rest = waiting & (waiting - 1);
         top->waiting = rest;
-        // Without a branch, which would be hard to predict: where nothing waits, what is read next is fetched again.
+        // Without a branch, which would be hard to predict: if nothing waits, what is read next is fetched again.
         fetch(nodes, leaves, top->child[place_of(rest != 0 ? rest : waiting)]);
         top += rest != 0 ? 1 : 0;
         continue;
@@ -93,7 +93,7 @@ std::uint32_t MeetRay(const Layout& layout, const Ray& ray, double limit, const 
   return walk_any<Goal::any>(layout, ray, limit, 0, TriangleCall{candidate, mesh, layout.frame}, cost, &corners);
 }
 
-/// Offers the boxes themselves, each a child of a node.
+/// Visits the boxes themselves, each a child of a node.
 void WalkRayBoxes(const Layout& layout, const Ray& world_ray, double limit, Bvh::RayCandidate candidate,
                   WalkCost& cost) {
   RayFrame ray;

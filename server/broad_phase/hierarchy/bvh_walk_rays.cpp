@@ -9,7 +9,7 @@
 HWY_BEFORE_NAMESPACE();
 namespace collided::engine::bvh::HWY_NAMESPACE {
 
-/// Rays under way at once: enough that a ray's memory has arrived when its turn comes again, few enough that their
+/// Rays in progress at once: enough that a ray's memory has arrived when its turn comes again, few enough that their
 /// stacks stay in the nearest cache.
 constexpr std::size_t kAtOnce = 16;
 
@@ -38,7 +38,7 @@ class Journey {
   Journey(const Layout& layout, const TriangleMesh& mesh)
       : layout_(layout), mesh_(mesh), nodes_(layout.nodes.data()), leaves_(layout.leaves.data()) {}
 
-  /// False: the ray meets nothing in this tree.
+  /// False if the ray meets nothing in this tree.
   HWY_INLINE bool start(Bvh::RayTask& task, Traveller& t) const {
     if (!(task.limit >= 0) || !prepare_ray(layout_, *task.ray, 0, t.ray)) return false;
     t.task = &task;
@@ -52,7 +52,7 @@ class Journey {
     return t.reach.local >= 0;
   }
 
-  /// Visits one node or leaf, and prefetches what the next turn reads; false once the ray's walk is over.
+  /// Visits one node or leaf, and prefetches data for the next turn; false once the ray's walk is over.
   HWY_INLINE bool turn(Traveller& t) const {
     if constexpr (kGoal == Goal::nearest) {
       if (t.is_ending) return end(t);
@@ -116,7 +116,7 @@ class Journey {
     return tell_every<kCorners>(call_of(t), t.ray, leaf, met, t.estimate, t.reach, *t.task->cost) && next(t);
   }
 
-  /// Offers the certain hits when nothing nearer can follow; where their corners must be prefetched, two turns later.
+  /// Reports the certain hits when nothing nearer can follow; if their corners must be prefetched, two turns later.
   HWY_INLINE bool end(Traveller& t) const {
     if (!kCorners && t.fetched < 2) {
       for (int i = 0; i < t.sure_hits.count(); ++i) fetch_corners(t.sure_hits.leaf(i), t.sure_hits.lane(i), t.fetched);
@@ -154,7 +154,7 @@ class Journey {
   const Leaf* leaves_;
 };
 
-/// Gives each ray under way a turn, replacing those that finish, until all tasks are done.
+/// Gives each ray in progress a turn, replacing those that finish, until all tasks are done.
 template <Goal kGoal, bool kCorners>
 void walk_in_turn(const Journey<kGoal, kCorners>& journey, std::span<Bvh::RayTask> tasks) {
   Traveller travellers[kAtOnce];

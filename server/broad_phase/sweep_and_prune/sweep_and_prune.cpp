@@ -8,10 +8,10 @@
 namespace collided::engine {
 namespace {
 
-/// A full sort costs about this many swaps per box; with more, sorting from the last order is given up.
+/// A full sort costs about this many swaps per box; beyond it, sorting from the last order is given up.
 constexpr std::uint64_t kSwapsABox = 16;
 
-/// Another axis must be this much better, because a change of axis needs a full sort.
+/// Another axis must be better by this factor, because a change of axis needs a full sort.
 constexpr double kWorthChanging = 2;
 
 }  // namespace
@@ -47,7 +47,7 @@ void SweepAndPrune::start_anew(std::span<const Aabb> boxes, int axis) {
   report_ = {.axis = axis, .swaps = 0, .is_sorted_anew = true};
 }
 
-/// Insertion sort from the last order. False: so much has moved that a full sort is cheaper.
+/// Insertion sort from the last order. False if so much has moved that a full sort is cheaper.
 bool SweepAndPrune::sort_from_last() {
   const std::uint64_t most = kSwapsABox * order_.size();
   report_.swaps = 0;

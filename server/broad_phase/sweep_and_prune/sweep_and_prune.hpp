@@ -10,9 +10,9 @@
 
 namespace collided::engine {
 
-/// Sweep-and-prune along one axis: keeps boxes in the order of their low ends from frame to frame, so that where little
-/// moves, little is sorted again. Generous, never misses. Worth it where boxes are few or lie along a line: all pairs
-/// that overlap on the axis are compared.
+/// Sweep-and-prune along one axis: keeps boxes in the order of their low ends from frame to frame, so that little
+/// motion needs little sorting. Generous, never misses. Worthwhile if boxes are few or lie along a line: all pairs that
+/// overlap on the axis are compared.
 /// threads  one updates; while none does, any number may walk
 /// source   Cohen, Lin, Manocha and Ponamgi, "I-COLLIDE", 1995, on one axis instead of three
 class SweepAndPrune {
@@ -54,7 +54,7 @@ class SweepAndPrune {
   std::vector<Place> order_;      // ascending by low end
   std::vector<BoxBlock> blocks_;  // in that order; NaN after the last
   std::vector<std::uint32_t> numbers_;
-  std::size_t box_count_ = 0;  // of the last update, including empty ones
+  std::size_t box_count_ = 0;  // in the last update, including empty ones
   Report report_;
 };
 

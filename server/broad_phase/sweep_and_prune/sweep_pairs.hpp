@@ -15,7 +15,7 @@ struct Ordered {
   int axis;
 };
 
-/// As SweepAndPrune::pairs; SIMD, chosen at run time.
+/// Same as SweepAndPrune::pairs; SIMD, chosen at run time.
 void find_pairs(const Ordered& ordered, SweepAndPrune::PairFound found, WalkCost& cost);
 
 }  // namespace collided::engine::sweep
