@@ -22,8 +22,8 @@ double next_up(double x) {
   return std::bit_cast<double>(bits + (x > 0 ? 1 : -1));
 }
 
-/// The smallest double >= a + b. Exact sums stay as they are, so that touching boxes keep touching bounds. Without a branch
-/// on what the sum lost, which comes out either way half of the time. A sum that is zero has lost nothing.
+/// The smallest double >= a + b. Exact sums stay as they are, so that touching boxes keep touching bounds. Without a
+/// branch on the lost part, which is unpredictable. A sum of zero has lost nothing.
 double sum_up(double a, double b) {
   const double sum = a + b;
   const auto bits = std::bit_cast<std::int64_t>(sum);
@@ -75,13 +75,13 @@ Aabb bounds(const Capsule& capsule) {
 
 namespace {
 
-/// The root of a sum of squares, with ten roundings and what underflows added outward.
+/// The root of a sum of squares, with ten roundings and underflow added outward.
 double root_up(double squares) {
   constexpr double kRootOfUnderflow = 0x1p-500;
   return std::sqrt(squares) * (1 + kChainSlack) + kRootOfUnderflow;
 }
 
-/// How far a disc of that radius, perpendicular to a b, reaches along each axis.
+/// The reach of a disc of that radius, perpendicular to a b, along each axis.
 Vec3 disc_reach(const Vec3& a, const Vec3& b, double radius_m) {
   const Vec3 axis = b - a;
   // Scaled by the largest component, so that no square overflows.

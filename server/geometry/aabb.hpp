@@ -7,7 +7,7 @@
 
 namespace collided::engine {
 
-/// Axis-aligned box {x : low <= x <= high}, closed. Empty where low > high on some axis, or a bound is NaN.
+/// Axis-aligned box {x : low <= x <= high}, closed. Empty if low > high on some axis, or a bound is NaN.
 struct Aabb {
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
   Vec3 high = Vec3::Constant(-std::numeric_limits<double>::infinity());
@@ -41,7 +41,7 @@ Aabb bounds(const HalfSpace& half_space);
 Aabb bounds(const Triangle& triangle);
 Aabb bounds(const Primitive& primitive);
 
-/// Contains every point that the half-space has in the box, which must be finite; empty only where there is none.
+/// Contains every point of the half-space in the box, which must be finite; empty only if there is none.
 Aabb bounds_within(const HalfSpace& half_space, const Aabb& box);
 
 /// The box grown by margin_m on each side, rounded outward.

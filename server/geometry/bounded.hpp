@@ -42,12 +42,12 @@ inline Bounded operator-(const Bounded& a, const Bounded& b) {
 inline Bounded operator*(const Bounded& a, const Bounded& b) {
   const double value = a.value * b.value;
   const double error = (std::abs(a.value) * b.error + std::abs(b.value) * a.error) + a.error * b.error;
-  // A factor that is exactly zero gives exactly zero: otherwise no sign would ever be certain in axis-aligned scenes.
+  // A factor that is exactly zero gives exactly zero; otherwise no sign would ever be certain in axis-aligned scenes.
   const double underflow = a.exactly_zero() || b.exactly_zero() ? 0.0 : kUnderflow;
   return {value, (error + kRoundoff * std::abs(value)) + underflow};
 }
 
-/// An infinite bound where the divisor may be zero.
+/// The bound is infinite if the divisor may be zero.
 inline Bounded operator/(const Bounded& a, const Bounded& b) {
   if (a.exactly_zero() && std::abs(b.value) > b.bound()) return {};
   const double smallest_divisor = std::abs(b.value) - b.bound() * (1 + kBoundSlack);
@@ -68,8 +68,8 @@ inline Bounded max(const Bounded& a, const Bounded& b) {
 
 inline Bounded min(const Bounded& a, const Bounded& b) { return -max(-a, -b); }
 
-/// As Bounded, but each operation adds the error that it really made, found by an error-free transformation. Half as
-/// fast, but exact (error 0, signs of zero included) on small integers, halves and the like, where scenes touch.
+/// Like Bounded, but each operation adds its actual error, found by an error-free transformation. Half as fast, but
+/// exact (error 0, signs of zero included) on small integers, halves and the like, at which scenes touch.
 /// Source: Knuth (sum), Dekker (product); Ogita, Rump, Oishi, "Accurate Sum and Dot Product", 2005.
 struct Traced {
   double value = 0;
@@ -94,7 +94,7 @@ inline Traced operator-(const Traced& a, const Traced& b) { return a + -b; }
 
 inline Traced operator*(const Traced& a, const Traced& b) {
   const double value = a.value * b.value;
-  // Returns the product rather than zero: the other factor may be NaN.
+  // Returns the product instead of zero: the other factor may be NaN.
   if (a.exactly_zero() || b.exactly_zero()) return value;
   constexpr double kSplit = 0x1p27 + 1;
   const double a_big = kSplit * a.value;
@@ -105,7 +105,7 @@ inline Traced operator*(const Traced& a, const Traced& b) {
   const double b_low = b.value - b_high;
   const double lost = a_low * b_low - (((value - a_high * b_high) - a_low * b_high) - a_high * b_low);
   const double error = (std::abs(a.value) * b.error + std::abs(b.value) * a.error) + a.error * b.error;
-  // Where a factor is too large to split, `lost` and the bound become NaN; where the product is too small, `lost` may
+  // If a factor is too large to split, `lost` and the bound become NaN; if the product is too small, `lost` may
   // underflow. So may the product of an error: 2^-1074 times a quarter would look like zero.
   const bool error_underflows = error < kUnderflow && a.error + b.error != 0;
   const double underflow = std::abs(value) < kSmallestPlain || error_underflows ? kUnderflow : 0.0;
@@ -122,7 +122,7 @@ inline Bounded sqrt(const Bounded& a) {
   if (a.exactly_zero()) return {};
   const double value = a.value > 0 ? std::sqrt(a.value) : 0;
   const double bound = a.bound();
-  // |sqrt(x + e) - sqrt(x)| <= sqrt(e), and <= e / sqrt(x) where that is less.
+  // |sqrt(x + e) - sqrt(x)| <= sqrt(e), and <= e / sqrt(x) if that is less.
   const double far = bound < a.value ? bound / value : std::sqrt(bound + std::abs(std::fmin(a.value, 0.0)));
   return {value, far * (1 + kBoundSlack) + 2 * kRoundoff * value + kUnderflow};
 }

@@ -21,7 +21,7 @@ constexpr double kEndless = std::numeric_limits<double>::infinity();
 double ulp_up(double value) { return std::nextafter(value, kEndless); }
 double ulp_down(double value) { return std::nextafter(value, -kEndless); }
 
-/// An upper bound on the length of a vector of such sizes, none below 0. Grows with each of them.
+/// An upper bound on the length of a vector with such components, none below 0. Monotone in each of them.
 double length_at_most(const Vec3& sizes) {
   const double largest = sizes.maxCoeff();
   if (largest == 0) return 0;
@@ -46,7 +46,7 @@ Vec3 away_at_most(const Vec3& point, const Vec3& center) {
 
 Vec3 middle_of(const Aabb& box) { return box.low / 2 + box.high / 2; }
 
-/// normal . point in double, and whether that is exact: products with 0, 1 and -1 are; their sum is where it rounds
+/// normal . point in double, and whether that is exact: products with 0, 1 and -1 are; their sum is if it rounds
 /// nothing.
 struct SupportValue {
   double value;
@@ -103,7 +103,7 @@ Kdop bounding_kdop(std::span<const Vec3> points, const std::vector<Vec3>& normal
           simple[i] ? simple_reach(normals[i], point) : SupportValue{normals[i].dot(point), false};
       double low = reach.value;
       double high = reach.value;
-      // Bounds keep what is exact; other products are widened by their roundings.
+      // Keeps bounds that are exact; widens other products by their rounding.
       if (!reach.is_exact) {
         const double error = reach_error(normals[i], point);
         low = ulp_down(reach.value - error);

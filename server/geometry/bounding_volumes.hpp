@@ -16,8 +16,8 @@ namespace collided::engine {
 /// In one pass; empty for no points.
 Aabb bounding_aabb(std::span<const Vec3> points);
 
-/// A discrete oriented polytope {x : low[i] <= normals[i] . x <= high[i]}. The normals have any length but 0. Empty
-/// where some low > high.
+/// A discrete oriented polytope {x : low[i] <= normals[i] . x <= high[i]}. The normals have any length but 0. Empty if
+/// some low > high.
 struct Kdop {
   std::vector<Vec3> normals;
   std::vector<double> low;
@@ -28,11 +28,11 @@ struct Kdop {
 /// throws  std::invalid_argument for another k
 std::vector<Vec3> kdop_normals(int sides);
 
-/// The smallest k-DOP with those normals, in one pass. Exactly the smallest where the products are exact, as for 6
-/// sides, where it equals the box bit for bit; else wider by a few roundings.
+/// The smallest k-DOP with those normals, in one pass. Exactly the smallest if the products are exact, as for 6 sides,
+/// where it equals the box bit for bit; else wider by a few roundings.
 Kdop bounding_kdop(std::span<const Vec3> points, const std::vector<Vec3>& normals);
 
-/// Whether the point is in all the slabs: exact, or nothing where exact arithmetic in double has no room.
+/// Whether the point is in all slabs: exact, or nothing if exact arithmetic in double runs out of room.
 std::optional<bool> contains(const Kdop& kdop, const Vec3& point);
 
 /// The volume of a k-DOP whose first three normals bound it; relative error about 1e-12. For tables, not for decisions.
@@ -41,14 +41,14 @@ double volume(const Aabb& box);
 double volume(const Box& box);
 double volume(const Sphere& sphere);
 
-/// A box along the points' axes of inertia, or along the coordinate axes where that one is smaller. Its axes have
-/// length 1 and are perpendicular within 1e-14; the half lengths make up for the difference, so that each point is
-/// center + sum_i u_i half_i axis_i with |u_i| <= 1.
+/// A box along the points' axes of inertia, or along the coordinate axes if that one is smaller. Its axes have length 1
+/// and are perpendicular within 1e-14; the half lengths make up for the difference, so that each point is center +
+/// sum_i u_i half_i axis_i with |u_i| <= 1.
 /// source  Gottschalk, Lin, Manocha, "OBBTree", 1996
 Box bounding_obb(std::span<const Vec3> points);
 
-/// Three bounding spheres, each no larger than the one before: about the middle of the box with half its diagonal;
-/// about the same centre through the farthest point; the smallest one, up to roundings.
+/// Three bounding spheres, each no larger than the one before: around the middle of the box with half its diagonal;
+/// around the same centre through the farthest point; the smallest one, up to roundings.
 /// source  smallest: Gaertner, "Fast and robust smallest enclosing balls", 1999 (farthest point first)
 Sphere diagonal_sphere(std::span<const Vec3> points);
 Sphere farthest_point_sphere(std::span<const Vec3> points);

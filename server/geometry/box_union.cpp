@@ -6,7 +6,7 @@
 namespace collided::engine {
 namespace {
 
-/// Cuts off, one after the other, what each of the other boxes contains; what is left after the last is outside.
+/// Cuts off the content of each of the other boxes in turn; what remains after the last is outside.
 class Cutting {
  public:
   Cutting(std::span<const Aabb> others, const Vec3& from) : others_(others), from_(from) {}
@@ -30,8 +30,8 @@ class Cutting {
  private:
   static constexpr int kDeepest = 1'000;
 
-  /// A closed part that only touches the other box loses nothing to it, because its inside is elsewhere. A flat part
-  /// has no inside along its flat axis.
+  /// A closed part that only touches the other box loses nothing to it, because its interior is elsewhere. A flat part
+  /// has no interior along its flat axis.
   static bool shares_more_than_its_border(const Aabb& part, const Aabb& other) {
     for (int axis = 0; axis < 3; ++axis) {
       const double low = std::max(part.low[axis], other.low[axis]);
@@ -40,7 +40,7 @@ class Cutting {
     }
     return true;
   }
-  /// Cuts off what lies beyond the bound, and searches that on its own.
+  /// Cuts off the part beyond the bound, and searches it separately.
   void cut(Aabb& part, int axis, double bound, bool below, std::size_t next, int depth) {
     if (below ? part.low[axis] >= bound : part.high[axis] <= bound) return;
     Aabb beyond = part;

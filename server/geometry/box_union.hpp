@@ -7,9 +7,9 @@
 
 namespace collided::engine {
 
-/// The part of a box, nearest to a point, that none of the other boxes contains; nothing where together they contain
-/// all of it. Exact: every bound of a part is a bound of a given box. What needs more than some 100,000 comparisons of
-/// boxes, or a thousand parts along one line, counts as not contained.
+/// The part of a box, nearest to a point, that none of the other boxes contains; nothing if together they contain all
+/// of it. Exact: every bound of a part is a bound of a given box. A box that needs more than some 100,000 comparisons,
+/// or a thousand parts along one line, counts as not contained.
 ///
 /// box      closed; may be flat or infinite, but not empty
 /// threads  pure; no allocation

@@ -10,24 +10,25 @@
 
 namespace collided::engine {
 
-/// Placing at coordinates of 2^20 m rounds by 1.2e-10 m. From there on subtracting a common origin first is cheaper than
-/// the expansions and rationals that the rounding calls for. Metres. It chooses the arithmetic and decides nothing; nearer
-/// worlds keep their bits.
+/// Placing at coordinates of 2^20 m rounds by 1.2e-10 m. From there on subtracting a common origin first is cheaper
+/// than the expansions and rationals that the rounding requires. Metres. It chooses the arithmetic and affects no
+/// decision; nearer worlds keep their bits.
 inline constexpr double kFarOut_m = 0x1p20;
 
-/// One of the two is at most twice the other, and they have one sign: their difference is not rounded.
+/// True if one of the two is at most twice the other and they have the same sign: their difference is not rounded.
 ///
 /// source  Sterbenz, "Floating-Point Computation", 1974, theorem 4.3.1
 constexpr bool has_exact_difference(double x, double y) {
   return y > 0 ? y <= 2 * x && x <= 2 * y : y >= 2 * x && x >= 2 * y;
 }
 
-/// Common origins are multiples of this, metres. What is seen from one keeps the digits that its place gives it, as near the
-/// world's origin: seen from its own middle a box has sides that are parallel to the last digit, which takes longer.
+/// Common origins are multiples of this, metres. Coordinates relative to such an origin keep the same digits as near
+/// the world's origin. Relative to its own middle a box would have sides that are parallel to the last digit, which
+/// takes longer.
 inline constexpr double kOriginGrid_m = 16;
 
-/// An origin near all the points, from which they are seen without rounding: on each axis the coordinate of `point` to the
-/// nearest kOriginGrid_m, or 0 if it is less than far_m from 0 or some difference might be rounded.
+/// An origin near all the points, from which they are seen without rounding: on each axis the coordinate of `point` to
+/// the nearest kOriginGrid_m, or 0 if it is less than far_m from 0 or if some difference might be rounded.
 ///
 /// far_m  metres, above 0
 inline Vec3 common_origin(const Vec3& point, std::initializer_list<Vec3> others, double far_m = kFarOut_m) {
@@ -42,7 +43,7 @@ inline Vec3 common_origin(const Vec3& point, std::initializer_list<Vec3> others,
   return origin;
 }
 
-/// The same thing in coordinates that count from the origin: exact if all its points have exact differences from it.
+/// The value in coordinates relative to the origin: exact if all its points have exact differences from it.
 inline Vec3 seen_from(const Vec3& origin, const Vec3& point) { return point - origin; }
 inline Frame seen_from(const Vec3& origin, const Frame& frame) {
   return {.rotation = frame.rotation, .position = seen_from(origin, frame.position)};
@@ -53,7 +54,7 @@ inline Pose seen_from(const Vec3& origin, const Pose& pose) {
 inline Triangle seen_from(const Vec3& origin, const Triangle& triangle) {
   return {seen_from(origin, triangle.a), seen_from(origin, triangle.b), seen_from(origin, triangle.c)};
 }
-/// Rounded outward, since the bounds of what is near need not be near. An empty box stays empty.
+/// Rounded outward, since the bounds of a near object need not be near. An empty box stays empty.
 inline Aabb seen_from(const Vec3& origin, const Aabb& box) {
   constexpr double kEndless = std::numeric_limits<double>::infinity();
   Aabb seen = box;
@@ -65,7 +66,7 @@ inline Aabb seen_from(const Vec3& origin, const Aabb& box) {
   return seen;
 }
 
-/// Back to world coordinates. Rounds each coordinate once; from the origin 0 the point keeps its bits.
+/// Back to world coordinates. Rounds each coordinate once; with the origin 0 the point keeps its bits.
 inline Vec3 back_from(const Vec3& origin, const Vec3& point) { return origin.isZero(0) ? point : Vec3(point + origin); }
 
 }  // namespace collided::engine

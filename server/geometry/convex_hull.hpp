@@ -10,7 +10,7 @@ namespace collided::engine {
 /// The convex hull of the points: its corners, in the order given, and its faces, closed and counter-clockwise seen
 /// from outside. Every sign is exact, so points on a face, on an edge, or given twice add nothing.
 ///
-/// returns  nothing where the points lie in one plane, or so far apart that exact arithmetic in double has no room
+/// returns  nothing if the points lie in one plane, or so far apart that exact arithmetic in double runs out of room
 /// cost     points times faces
 /// source   incremental: de Berg et al., "Computational Geometry", 2008, chapter 11
 std::optional<TriangleMesh> convex_hull(std::span<const Vec3> points);

@@ -8,8 +8,8 @@
 
 namespace collided::engine {
 
-/// An exact sum of doubles that do not overlap, smallest first, without zeros. One that would need more than kCapacity
-/// doubles, or leave the range in which a product's low half is exact, is `lost` and has no sign.
+/// An exact sum of doubles that do not overlap, smallest first, without zeros. A sum that would need more than
+/// kCapacity doubles, or leave the range in which a product's low half is exact, is `lost` and has no sign.
 ///
 /// cost    about 0.1 us per product of short ones; no allocation
 /// source  Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric Predicates", 1997
@@ -35,7 +35,7 @@ class Expansion {
   bool lost() const { return lost_; }
   /// The largest part: its sign is that of the sum.
   double leading() const { return count_ == 0 ? 0.0 : part_[count_ - 1]; }
-  /// The sum is at most one double: rounded() loses nothing.
+  /// True if the sum is at most one double: rounded() loses nothing.
   bool single() const { return count_ <= 1; }
   /// The sum in double; relative error at most 2^-51.
   double rounded() const {

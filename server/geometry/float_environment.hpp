@@ -7,8 +7,8 @@
 namespace collided::engine {
 
 /// The proofs assume rounding to nearest, denormals kept and no traps. A library built with -ffast-math turns denormals
-/// off for the thread that loads it, and threads inherit that. This resets the calling thread's floating-point
-/// environment where it differs.
+/// off for the thread that loads it, and threads inherit that. Resets the calling thread's floating-point environment
+/// if it differs.
 ///
 /// returns  true if it had to be reset
 /// cost     a few nanoseconds
@@ -29,16 +29,17 @@ class OwnFloatEnvironment {
 };
 
 #if defined(__SSE2__)
-// Inline: a ray alone sets it, and two calls cost it as much as half a node of the tree.
+// Inline: a single ray sets it, and two calls would cost it as much as half a node of the tree.
 namespace float_environment {
 inline constexpr unsigned kFlags = 0x003f;    // exceptions raised so far: not a setting
 inline constexpr unsigned kDefault = 0x1f80;  // all traps masked, round to nearest, denormals kept
-/// The compiler does not know that arithmetic depends on the word: what is read from memory is worked with on this side.
+/// Keeps the order of arithmetic and control word, whose dependence the compiler does not know: values read from memory
+/// are used on this side.
 inline void keep_order() { asm volatile("" : : : "memory"); }
 }  // namespace float_environment
 
-// Reading the word waits for all arithmetic under way; writing what is there already costs nothing. The host's flags are
-// not cleared, so that the way out mostly writes what is there.
+// Reading the word waits for all arithmetic in flight; writing an unchanged word costs nothing. The host's flags are
+// not cleared, so that restoring usually writes an unchanged word.
 inline OwnFloatEnvironment::OwnFloatEnvironment() : host_{_mm_getcsr(), 0} {
   if ((host_[0] & ~float_environment::kFlags) != float_environment::kDefault) _mm_setcsr(float_environment::kDefault);
   float_environment::keep_order();

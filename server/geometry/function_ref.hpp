@@ -12,8 +12,7 @@ class FunctionRef;
 
 /// A reference to a callback: a function, a lambda or any callable, not owned. Two words, freely copied; copies refer
 /// to the same callable, which must outlive every call. Meant as a parameter type: a lambda written in the call's
-/// arguments lives long enough, one that initialises a FunctionRef variable does not.
-/// As thread-safe as the callable.
+/// arguments lives long enough, one that initialises a FunctionRef variable does not. As thread-safe as the callable.
 template <typename R, typename... Args>
 class FunctionRef<R(Args...)> {
  public:

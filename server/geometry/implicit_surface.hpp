@@ -9,11 +9,11 @@
 namespace collided::engine {
 
 /// One step of a polynomial in x, y, z on a stack of values: the author's formula in postfix order. Kept as written
-/// rather than expanded, because products of its doubles need not be doubles.
+/// instead of expanded, because products of its doubles need not be doubles.
 struct PolynomialStep {
   enum class Kind : std::uint8_t { constant, x, y, z, add, subtract, multiply, negate, power };
   Kind kind = Kind::constant;
-  std::uint8_t exponent = 0;  // of power
+  std::uint8_t exponent = 0;  // exponent of a power
   double constant = 0;
 };
 

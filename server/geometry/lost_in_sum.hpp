@@ -2,7 +2,7 @@
 
 namespace collided::engine {
 
-/// What the rounded sum of two doubles lacks: a + b is exactly sum + lost_in_sum(a, b, sum), where nothing overflows.
+/// The rounding error of the sum of two doubles: a + b is exactly sum + lost_in_sum(a, b, sum), unless it overflows.
 ///
 /// sum     a + b in double
 /// source  Knuth, "The Art of Computer Programming", vol. 2, 4.2.2, theorem B (TwoSum)

@@ -13,7 +13,7 @@ namespace collided::engine {
 /// Three numbers of vertices, counter-clockwise seen from outside.
 using TriangleCorners = std::array<std::uint32_t, 3>;
 
-/// In place of a triangle's number: none, since it is a primitive that was met.
+/// Triangle number of a hit on a primitive.
 inline constexpr std::uint32_t kNoTriangle = 0xffffffff;
 
 /// Indexed triangles. Every corner is a valid vertex number and every vertex is finite.

@@ -6,10 +6,10 @@
 
 namespace collided::engine {
 
-/// The sign of (b - a) x (c - a) . (d - a): +1 where d is in front of the plane a b c, the side from which a, b, c turn
-/// left; -1 behind it, 0 in it. Nothing where exact arithmetic in double has no room.
+/// The sign of (b - a) x (c - a) . (d - a): +1 if d is in front of the plane a b c, the side from which a, b, c turn
+/// left; -1 behind it, 0 in it. Nothing if exact arithmetic in double runs out of room.
 ///
-/// cost    about 5 ns; about a microsecond where the sign is uncertain
+/// cost    about 5 ns; about a microsecond if the sign is uncertain
 /// source  filter: running error as in kOrientationError; exact: Shewchuk, "Adaptive Precision Floating-Point
 ///         Arithmetic and Fast Robust Geometric Predicates", 1997
 std::optional<int> orientation(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
@@ -22,7 +22,7 @@ class OrientedPlane {
     const int quick = quick_side(d);
     return quick != 0 ? quick : exact_side(d);
   }
-  /// The same where double is certain of +1 or -1, else 0.
+  /// +1 or -1 if double is certain, else 0.
   int quick_side(const Vec3& d) const {
     const Vec3 to = d - a_;
     const double height = normal_.dot(to);
@@ -40,7 +40,7 @@ class OrientedPlane {
   Vec3 b_;
   Vec3 c_;
   Vec3 normal_;
-  double spread_;  // the error per largest coordinate of d - a
+  double spread_;  // error per largest coordinate of d - a
 };
 
 }  // namespace collided::engine

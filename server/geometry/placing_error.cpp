@@ -12,13 +12,13 @@
 namespace collided::engine {
 namespace {
 
-/// Compares in an order in which a rotation mostly shows at once.
+/// Compares in an order in which a rotation usually shows at once.
 bool is_identity(const Mat3& m) {
   return m(0, 0) == 1 && m(1, 1) == 1 && m(2, 2) == 1 && m(0, 1) == 0 && m(0, 2) == 0 && m(1, 2) == 0 && m(1, 0) == 0 &&
          m(2, 0) == 0 && m(2, 1) == 0;
 }
 
-/// The frame rotates: then every placed coordinate is rounded.
+/// True if the frame rotates: then every placed coordinate is rounded.
 bool turns(const Frame& frame) { return !is_identity(frame.rotation); }
 
 double lost(double a, double b) { return lost_in_sum(a, b, a + b); }
@@ -34,11 +34,11 @@ class Placing {
     const Vec3& to = frame_.position;
     return rounded_up(Vec3(lost(own[0], to[0]), lost(own[1], to[1]), lost(own[2], to[2])).norm());
   }
-  /// Half axes: a shape that is rotated in its own frame has axes that come from a quaternion too.
+  /// Half axes: a shape rotated in its own frame also has axes from a quaternion.
   double of_axes(const Mat3& axes, const Vec3& half_m) const {
     const bool is_turned = !is_identity(axes);
     if (!turns_ && !is_turned) return 0;
-    // Along the axes of the frame the columns are as long as the half axes are, which saves three roots.
+    // Along the axes of the frame the columns are as long as the half axes, which saves three roots.
     const double reach_m = is_turned ? (axes * half_m.asDiagonal()).colwise().norm().sum() : half_m.cwiseAbs().sum();
     return rounded_up((turns_ ? kTurnedPoint * reach_m : 0) + (is_turned ? kTurnedPoint * reach_m : 0));
   }

@@ -8,7 +8,7 @@
 namespace collided::engine {
 namespace {
 
-// The one order of operations in a row's product. Not Eigen's, whose order may change with the vector width.
+// The fixed order of operations in a row's product. Not Eigen's, whose order may change with the vector width.
 double row_times(const Mat3& r, int row, const Vec3& v) {
   return (r(row, 0) * v[0] + r(row, 1) * v[1]) + r(row, 2) * v[2];
 }

@@ -5,8 +5,8 @@
 
 namespace collided::engine {
 
-/// Position, metres, and rotation of a body in the world (X_WB): v -> q v q* / |q|^2, so that the quaternion stands as it
-/// was given, whose norm validation keeps within 1e-6 of 1.
+/// Position, metres, and rotation of a body in the world (X_WB): v -> q v q* / |q|^2, so that the quaternion is used as
+/// given; validation keeps its norm within 1e-6 of 1.
 struct Pose {
   Vec3 position = Vec3::Zero();
   Quat rotation = Quat::Identity();
@@ -18,10 +18,10 @@ struct Frame {
   Vec3 position = Vec3::Zero();
 };
 
-/// Divides the quaternion by its norm, in double, unless that is 1 already but for its own rounding.
+/// Divides the quaternion by its norm, in double, unless that is 1 up to its own rounding.
 Frame frame_of(const Pose& pose);
 
-/// a then b, as one pose: b's frame is given in a's. Rounded in double.
+/// The pose of b in the world, if a is the pose in the world and b is given in a's frame. Rounded in double.
 Pose composed(const Pose& a, const Pose& b);
 Pose inverse(const Pose& pose);
 
@@ -35,9 +35,9 @@ Box place(const Frame& frame, const Box& box);
 Capsule place(const Frame& frame, const Capsule& capsule);
 Cylinder place(const Frame& frame, const Cylinder& cylinder);
 Cone place(const Frame& frame, const Cone& cone);
-/// The axes as for a box.
+/// The axes are rotated like those of a box.
 Ellipsoid place(const Frame& frame, const Ellipsoid& ellipsoid);
-/// Takes a hull in its own frame, as objects have it: a placed hull cannot be placed again.
+/// Takes a hull in its own frame, as in objects: a placed hull cannot be placed again.
 Hull place(const Frame& frame, const Hull& hull);
 /// The normal is rotated and rounded like the axes of a box.
 HalfSpace place(const Frame& frame, const HalfSpace& half_space);

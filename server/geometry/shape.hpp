@@ -10,12 +10,12 @@
 
 namespace collided::engine {
 
-/// What an object is made of, in its own frame: solid primitives and at most one mesh. One primitive is a plain sphere,
-/// box and so on; several make a compound.
+/// The geometry of an object, in its own frame: solid primitives and at most one mesh. One primitive is a plain sphere,
+/// box and so on; several form a compound.
 struct Shape {
   std::vector<Primitive> primitives;
   std::shared_ptr<const TriangleMesh> mesh;  // may be null
-  bool is_unknown = false;                   // what is in it is not known
+  bool is_unknown = false;                   // its content is unknown
 
   bool empty() const { return primitives.empty() && !mesh; }
 };
@@ -42,11 +42,11 @@ struct NumberPair {
   auto operator<=>(const NumberPair&) const = default;
 };
 
-/// Pairs of one scene's objects that may touch, by the objects' numbers: their contacts do not count. It belongs to one
-/// loading of a scene, so the same robot loaded twice meets itself. Immutable.
+/// Pairs of one scene's objects that may touch, by the objects' numbers: their contacts are ignored. It belongs to one
+/// loading of a scene, so the same robot loaded twice collides with itself. Immutable.
 class AllowedPairs {
  public:
-  /// Every pair.
+  /// Allows every pair.
   AllowedPairs() : is_every_pair_(true) {}
   explicit AllowedPairs(std::vector<NumberPair> pairs) : pairs_(std::move(pairs)) {
     std::sort(pairs_.begin(), pairs_.end());

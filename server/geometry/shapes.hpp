@@ -9,9 +9,9 @@ namespace collided::engine {
 
 struct TriangleMesh;
 
-/// The closed point sets about which the exact phase decides, each exactly the set that its doubles describe. All are
-/// convex, and all are solid except the triangle, which is flat; all except the half-space are bounded. Zero sizes are
-/// allowed: points and segments.
+/// The closed point sets of the exact phase, each exactly the set that its doubles describe. All are convex, and all
+/// are solid except the triangle, which is flat; all except the half-space are bounded. Zero sizes are allowed: points
+/// and segments.
 
 struct Sphere {
   Vec3 center;
@@ -55,7 +55,7 @@ struct Ellipsoid {
   Vec3 half_m = Vec3::Zero();
 };
 
-/// The hull of a mesh's vertices, each rotated, translated and rounded on its own.
+/// The hull of a mesh's vertices, each rotated, translated and rounded separately.
 struct Hull {
   std::shared_ptr<const TriangleMesh> mesh;  // its faces: closed, oriented outward
   Mat3 rotation = Mat3::Identity();

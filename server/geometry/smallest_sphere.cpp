@@ -10,7 +10,7 @@
 namespace collided::engine {
 namespace {
 
-/// Enough for any set: the radius grows in each round, and about thirty rounds are the most ever seen.
+/// Enough for any set: the radius grows in each round, and at most about thirty rounds were ever seen.
 constexpr int kMostRounds = 200;
 
 /// How far outside, relative to the radius, a point must be for another round.
@@ -18,7 +18,7 @@ constexpr double kOutside = 1e-12;
 
 struct Ball {
   Vec3 center = Vec3::Zero();
-  double radius2 = -1;  // below 0: of no points
+  double radius2 = -1;  // negative: of no points
 };
 
 /// The ball with all points on its border and its centre in their affine hull.
@@ -79,7 +79,7 @@ Sphere smallest_sphere(std::span<const Vec3> points) {
     std::vector<Vec3> few = border;
     few.push_back(farthest);
     const Ball larger = smallest_of_few(few);
-    if (!(larger.radius2 > ball.radius2)) break;  // no progress but roundings
+    if (!(larger.radius2 > ball.radius2)) break;  // no progress except rounding
     ball = larger;
     border = few;
   }

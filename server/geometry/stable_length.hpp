@@ -7,8 +7,8 @@
 
 namespace collided::engine {
 
-/// The length of a vector whose square may be out of range. Avoids scaling, which costs several times as much, where
-/// the square is far from both ends of the range. Within 3 units of roundoff of the true length, 6 where it scales.
+/// The length of a vector whose square may be out of range. Avoids scaling, which costs several times as much, if the
+/// square is far from both ends of the range. Within 3 units of roundoff of the true length, 6 if it scales.
 inline double stable_length(const Vec3& v) {
   const double square = v.squaredNorm();
   return square > kSmallestPlain && square < kLargestPlain ? std::sqrt(square) : v.stableNorm();

@@ -12,16 +12,16 @@ inline constexpr double kRoundoff = 0x1p-53;
 /// At zero, ExactBounded.TheBoundHoldsForLongChains fails.
 inline constexpr double kBoundSlack = 0x1p-40;
 
-/// The same where a bound passes few operations: 2^-48 covers 31 roundings in a row, 2^-50 seven. No unit.
+/// For a bound that passes few operations: 2^-48 covers 31 roundings in a row, 2^-50 seven. No unit.
 inline constexpr double kChainSlack = 0x1p-48;
 inline constexpr double kFewSlack = 0x1p-50;
 
-/// Magnitudes between these may be multiplied by one more of a plain scene's without leaving the range of double; beyond
-/// them the exact test takes over. Of whatever unit. It chooses the test and decides nothing.
+/// Magnitudes between these may be multiplied by one more magnitude of a usual scene without leaving the range of
+/// double; beyond them the exact test takes over. Any unit. It chooses the test and affects no decision.
 inline constexpr double kSmallestPlain = 0x1p-900;
 inline constexpr double kLargestPlain = 0x1p900;
 
-/// A product of a magnitude between these has an error term that is a double: fma(a, b, -ab) is exact. Of whatever unit.
+/// A product of a magnitude between these has an error term that is a double: fma(a, b, -ab) is exact. Any unit.
 inline constexpr double kSmallestExactProduct = 0x1p-960;
 inline constexpr double kLargestExactProduct = 0x1p990;
 
@@ -46,7 +46,7 @@ inline constexpr double kFilterLowest2 = 0x1p-300;
 /// Without it ExactClosest.RelativeErrorStaysSmallAtTheSurface fails.
 inline constexpr double kRefineDistance = 0x1p-42;
 
-/// The same for the distance along a ray, where grazing hits are common: 1.2e-10, 0.12 micrometre at one kilometre.
+/// As above for the distance along a ray, where grazing hits are common: 1.2e-10, 0.12 micrometre at one kilometre.
 /// Without it ExtremeRayGrazing.DistanceStaysSharp fails.
 inline constexpr double kRefineRay = 0x1p-33;
 
@@ -94,11 +94,11 @@ inline constexpr double kSupportValueError = 64 * kRoundoff;
 /// At zero, where rounding chooses the direction across, ExactGeneralNearest.BallsOfTheTwoBoundsMissAndMeet fails.
 inline constexpr double kDiscSeenFlat = 0x1p-23;
 
-/// The same in 256 bits, for the square of the share of the direction across the axis. At zero, where what is left of
-/// the direction is rounding, ExtremeGivenRound.APairIsDecidedForTheShapesAndPosesGiven fails.
+/// As above in 256 bits, for the square of the share of the direction across the axis. At zero, where the rest of the
+/// direction is rounding, ExtremeGivenRound.APairIsDecidedForTheShapesAndPosesGiven fails.
 inline constexpr double kDiscSeenFlatInLong = 0x1p-240;
 
-/// Two sets with round sides that overlap, or leave a gap, by less than this share of their size are left undecided where
+/// Two sets with round sides that overlap, or leave a gap, by less than this share of their size are left undecided if
 /// no algebra decides: 1e-30 m for sets of a metre.
 inline constexpr double kFinestGap = 1e-30;
 
@@ -113,8 +113,8 @@ inline constexpr double kInward = 0x1p-180;
 inline constexpr double kSeenFrom = 0x1p-34;
 
 /// Slack of the half-spaces that clip for a point of both sets, relative to their extent: 64 roundings, so that the
-/// only common point of two touching sets is not lost. It places a contact point and decides nothing. No unit.
-/// At zero, ExactContact.ThePointOfTouchingBoxesIsOnBoth fails.
+/// only common point of two touching sets is not lost. It places a contact point and affects no decision. No unit. At
+/// zero, ExactContact.ThePointOfTouchingBoxesIsOnBoth fails.
 inline constexpr double kClipSlack = 0x1p-46;
 
 /// Error of one gap of the separating-axis test in plain double, relative to A B (D + A H): axes of at most A, the axis
@@ -126,11 +126,11 @@ inline constexpr double kClipSlack = 0x1p-46;
 inline constexpr double kSeparationError = 96 * kRoundoff;
 
 /// Error of a squared distance to a triangle, and of a corner's product with the vector v to its nearest point,
-/// relative to the sum W^2 of the squared distances to the corners. v = a + s ab + t ac rounds each of a, ab, ac once (u W,
-/// s 2 u W, t 2 u W), two products (s + t <= 1: 2 u W) and two sums (6 u W); s + t <= 1 + 4 u leaves the triangle by
-/// 8 u W: 21 u W in all, so 42 u W^2 in the square, and 4 u W^2 for rounding the square. A product with v (difference,
-/// product, two sums) is off by 4 u W^2. 48 covers all with the roundings of the bound. No unit.
-/// At zero, ExtremeNearestFilter.TheBracketHoldsTheTruth fails.
+/// relative to the sum W^2 of the squared distances to the corners. v = a + s ab + t ac rounds each of a, ab, ac once
+/// (u W, s 2 u W, t 2 u W), two products (s + t <= 1: 2 u W) and two sums (6 u W); s + t <= 1 + 4 u leaves the triangle
+/// by 8 u W: 21 u W in all, so 42 u W^2 in the square, and 4 u W^2 for rounding the square. A product with v
+/// (difference, product, two sums) is off by 4 u W^2. 48 covers all with the roundings of the bound. No unit. At zero,
+/// ExtremeNearestFilter.TheBracketHoldsTheTruth fails.
 inline constexpr double kNearestError = 48 * kRoundoff;
 
 /// Error of the triple product a . (b x c) of three differences, relative to the product of their largest coordinates:
@@ -147,7 +147,7 @@ inline constexpr double kOrientationError = 52 * kRoundoff;
 /// At zero, ExactBodyMotion.WhatIsFreeMeetsNothingAtAnyFrameOfTheWay fails.
 inline constexpr double kWayError = 96 * kRoundoff;
 
-/// How far |q|^2, computed, is from 1 for a quaternion that has been divided by its norm: such a one is not divided again.
+/// How far |q|^2, computed, is from 1 for a quaternion that has been divided by its norm: then it is not divided again.
 /// No unit. At 1, GeometryPlacingError.NoPlacedPointIsFartherOff fails.
 inline constexpr double kUnitSquareSlack = 8 * kRoundoff;
 
@@ -176,9 +176,9 @@ inline constexpr double kNormalizedSlack = 16 * kRoundoff;
 inline constexpr double kCoarseGrid_m = 1e-3;
 
 /// How far a T-vertex may lie from its edge, in roundings of the largest coordinate: those of double, or of single
-/// precision where the file has nothing else. The vertex and both ends are rounded on three axes, at most 3 sqrt(3) / 2
-/// together; the rest up to 8 covers computing the distance. No unit.
-/// At zero, IntakeSeams.TVerticesOfSinglePrecisionAreFound fails.
+/// precision if the file has nothing else. The vertex and both ends are rounded on three axes, at most 3 sqrt(3) / 2
+/// together; the rest up to 8 covers computing the distance. No unit. At zero,
+/// IntakeSeams.TVerticesOfSinglePrecisionAreFound fails.
 inline constexpr double kOnEdge = 8;
 
 /// Default width of the cracks to look for, relative to the diagonal of the mesh: what two tessellations of one curve
@@ -187,8 +187,7 @@ inline constexpr double kOnEdge = 8;
 inline constexpr double kCrackReach = 1e-4;
 
 /// How far another point or edge may lie from a point to count as the same one, as a share of the shortest edge there:
-/// what is farther is detail of the mesh and no crack. No unit.
-/// At 2, IntakeSeams.FineDetailIsNoCrack fails.
+/// points farther away are detail of the mesh, not a crack. No unit. At 2, IntakeSeams.FineDetailIsNoCrack fails.
 inline constexpr double kCrackShare = 0.25;
 
 /// Error of the plain tests of balls and capsules against each other and against boxes, relative to the largest square
