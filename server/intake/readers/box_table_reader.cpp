@@ -34,7 +34,7 @@ Cells cells_of(std::string_view line) {
 template <std::size_t kCount>
 using Columns = std::array<std::size_t, kCount>;
 
-/// Reads a table of boxes, one a line, whose heading names the columns: the centre x,y,z and the full sizes sx,sy,sz,
+/// Reads a table of boxes, one per line, whose heading names the columns: the centre x,y,z and the full sizes sx,sy,sz,
 /// and perhaps a rotation qw,qx,qy,qz; or the corners min_x,min_y,min_z,max_x,max_y,max_z. The box's name is in a
 /// column name, id or object.
 class BoxTableReader {
@@ -71,7 +71,7 @@ class BoxTableReader {
     return static_cast<std::size_t>(found - heading_.begin());
   }
 
-  /// The first of several sets of column names of which all are in the heading.
+  /// The first of several sets of column names that is completely in the heading.
   template <std::size_t kCount>
   std::optional<Columns<kCount>> columns(std::initializer_list<std::array<const char*, kCount>> motions) const {
     for (const auto& displacement : motions) {

@@ -133,7 +133,7 @@ class CityReader {
     }
     if (corners.empty()) return;
     if (corners.size() > 1 && cut_with_holes(corners)) return;
-    // A hole that is not valid is filled, which makes it an obstacle. That errs on the safe side.
+    // An invalid hole is filled, which makes it an obstacle. That errs on the safe side.
     hole_flaw_count_ += corners.size() > 1 ? 1 : 0;
     cut(geometry, corners[0]);
   }

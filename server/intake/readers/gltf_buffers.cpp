@@ -18,7 +18,7 @@ constexpr std::uint32_t kGlbMagic = 0x46546c67;
 constexpr std::uint32_t kJsonChunk = 0x4e4f534a;
 constexpr std::uint32_t kBinaryChunk = 0x004e4942;
 
-/// A URI with "%20" and the like replaced by the characters that they stand for.
+/// A URI with escapes such as "%20" replaced by their characters.
 std::string unescaped(std::string_view uri) {
   const auto hex = [](char c) {
     return c >= '0' && c <= '9' ? c - '0' : (c | 32) >= 'a' && (c | 32) <= 'f' ? (c | 32) - 'a' + 10 : -1;

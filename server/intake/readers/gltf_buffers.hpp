@@ -33,8 +33,7 @@ class GltfBuffers {
     std::size_t stride_bytes = 0;
     const char* at(std::uint64_t i) const { return first + i * stride_bytes; }
   };
-  /// The elements of an accessor. Throws a LoadError where `count` of them, of element_bytes each, do not fit the
-  /// buffer.
+  /// The elements of an accessor. Throws a LoadError if `count` of them, of element_bytes each, do not fit the buffer.
   Elements elements(const JsonView& accessor, std::uint64_t count, std::size_t element_bytes) const;
 
  private:

@@ -151,7 +151,7 @@ class GltfReader {
                                  : mode == kStrip ? TriangleCorners{corner(i), corner(i + 1), corner(i + 2)}
                                                   : TriangleCorners{corner(i + 1), corner(i + 2), corner(0)};
       if (turned != mirrors) std::swap(triangle[1], triangle[2]);
-      // A repeated corner only steers the strip and does not make a triangle.
+      // A repeated corner only steers the strip and does not form a triangle.
       const bool steers = triangle[0] == triangle[1] || triangle[1] == triangle[2] || triangle[2] == triangle[0];
       if (mode == kTriangles || !steers) scene_.mesh.triangles.push_back(triangle);
     }
@@ -255,7 +255,7 @@ class GltfReader {
   }
 
   /// A number of an element.
-  /// is_unit  whole numbers stand for values in [0, 1] or [-1, 1] (KHR_mesh_quantization)
+  /// is_unit  whole numbers represent values in [0, 1] or [-1, 1] (KHR_mesh_quantization)
   static double component(const char* bytes, std::uint64_t type, bool is_unit) {
     const auto whole = [&]<class Number>(Number) {
       const double value = number_at<Number>(bytes, std::endian::little);

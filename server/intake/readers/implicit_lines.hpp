@@ -13,8 +13,8 @@ namespace collided::engine {
 /// LoadError that names the line, and the column within the rest.
 ImplicitSurface rest_as_implicit_surface(TextCursor& cursor);
 
-/// The implicit surface with a given name in a .surfaces file; nothing where no line has that name. Throws a LoadError
-/// where the line of that name is of another kind or has no valid polynomial.
+/// The implicit surface with a given name in a .surfaces file; nothing if no line has that name. Throws a LoadError if
+/// the line of that name is of another kind or has no valid polynomial.
 std::optional<ImplicitSurface> find_implicit_surface(const Reading& reading, std::string_view name);
 
 }  // namespace collided::engine

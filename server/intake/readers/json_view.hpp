@@ -12,18 +12,18 @@ namespace collided::engine {
 /// Parses the whole text as JSON, or throws a LoadError that names the byte.
 nlohmann::json parse_json(const Reading& reading, std::string_view text);
 
-/// A value in a JSON file together with its path, so that an error can say where it is: "/accessors/3/count is -1,
+/// A value in a JSON file together with its path, so that an error can name its location: "/accessors/3/count is -1,
 /// ...". Every function that finds something else than it needs throws a LoadError with that path. A view refers to the
 /// document and the reading, which must outlive it.
 class JsonView {
  public:
   JsonView(const Reading& reading, const nlohmann::json& value) : reading_(&reading), value_(&value) {}
 
-  /// Whether this is an object with that member.
+  /// True if this is an object with that member.
   bool has(const char* key) const { return value_->contains(key); }
-  /// A member. Throws where this is not an object or has no such member.
+  /// A member. Throws if this is not an object or has no such member.
   JsonView at(const char* key) const;
-  /// An element. Throws where this is not an array or is shorter.
+  /// An element. Throws if this is not an array or is shorter.
   JsonView at(std::size_t index) const;
   /// An element of a member that is an array, such as at("nodes").at(i), where the file gives the index.
   JsonView element(const char* key, std::size_t index) const;
@@ -32,7 +32,7 @@ class JsonView {
   bool is_object() const { return value_->is_object(); }
   /// The length of an array. Throws for anything else.
   std::size_t size() const;
-  /// The length of the array that a member is; 0 where there is no such member.
+  /// The length of an array member; 0 if there is no such member.
   std::size_t size_of(const char* key) const { return has(key) ? at(key).size() : 0; }
 
   double number() const;                         // finite, else throws

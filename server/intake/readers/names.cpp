@@ -11,8 +11,8 @@
 namespace collided::engine {
 namespace {
 
-/// The number of bytes of the UTF-8 character that the text begins with; 0 where it does not begin with one. Overlong
-/// forms, surrogates and codes beyond U+10FFFF are not characters (RFC 3629).
+/// The number of bytes of the UTF-8 character at the beginning of the text; 0 if there is none. Overlong forms,
+/// surrogates and codes beyond U+10FFFF are not characters (RFC 3629).
 std::size_t character_bytes(std::string_view text) {
   const auto byte = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const auto follows = [&](std::size_t i) { return (byte(i) & 0xc0u) == 0x80u; };

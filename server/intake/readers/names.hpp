@@ -7,15 +7,15 @@
 
 namespace collided::engine {
 
-/// What is wrong with a name, such as "is empty"; nothing where it is valid. A name has 1 to kMaxNameBytes bytes of
-/// UTF-8 without control characters.
+/// The flaw of a name, such as "is empty"; nothing if it is valid. A name has 1 to kMaxNameBytes bytes of UTF-8 without
+/// control characters.
 std::string flaw_of_name(std::string_view name);
 
 /// The nearest valid name: bytes that are not UTF-8 and control characters become '?', and a name that is too long is
 /// cut between two characters.
 std::string mended_name(std::string_view name);
 
-/// Gives parts and objects their full names: "scene/part", or "scene" where there is only one and it has no name. Makes
+/// Gives parts and objects their full names: "scene/part", or "scene" if there is only one and it has no name. Makes
 /// names valid and unique ('#2', '#3', ...) and reports that. Drops parts without triangles.
 void name_parts(const Reading& reading, Scene& scene);
 

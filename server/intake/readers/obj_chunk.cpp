@@ -11,7 +11,7 @@
 namespace collided::engine {
 namespace {
 
-/// Keywords of OBJ that do not matter for surfaces, or only add to curves.
+/// Keywords of OBJ that are irrelevant for surfaces, or only add to curves.
 constexpr std::string_view kPassedOver[] = {
     "vn",    "vt",       "s",        "mtllib", "vp",     "cstype",     "deg",       "bmat",  "step",
     "parm",  "trim",     "hole",     "scrv",   "sp",     "end",        "con",       "mg",    "lod",
@@ -81,7 +81,7 @@ class ChunkParser {
     chunk_.face_lines.push_back(first_line);
   }
 
-  // v, v/t, v//n or v/t/n. Texture and normal numbers are read as numbers and not used.
+  // v, v/t, v//n or v/t/n. Texture and normal numbers are read as numbers and ignored.
   void parse_corner() {
     const std::int64_t number = cursor_.integer_prefix("vertex number");
     if (number == 0) { refuse_line(reading_, line_, "vertex number 0, they begin at 1"); }

@@ -23,17 +23,17 @@ struct ObjChunk {
   std::string_view text;
   std::int64_t lines_before = 0;
   std::vector<Vec3> vertices{};
-  std::vector<std::uint32_t> corners{};  // vertex numbers of the file from 0; relative ones as is_relative says
-  std::vector<bool> is_relative{};       // by corner: it counts back from the vertices before; empty: none does
+  std::vector<std::uint32_t> corners{};  // vertex numbers in the file from 0; relative if is_relative
+  std::vector<bool> is_relative{};       // by corner: it counts back from the preceding vertices; empty: none does
   std::vector<std::uint32_t> face_corner_counts{};
   std::vector<std::uint32_t> face_lines{};  // by face: its line in the chunk, for errors
   std::vector<ObjMark> marks{};
   std::uint64_t triangle_count = 0;
-  // Counts of what was left out, for the report.
+  // Counts of ignored content, for the report.
   std::uint64_t point_lines = 0;
   std::uint64_t curve_lines = 0;
   std::uint64_t weighted_vertices = 0;
-  std::uint64_t short_faces = 0;  // of fewer than three corners
+  std::uint64_t short_faces = 0;  // with fewer than three corners
   std::uint64_t unknown_lines = 0;
   std::int64_t first_unknown_line = 0;  // its number in the file, from 1
 
@@ -45,11 +45,11 @@ struct ObjChunk {
   }
 };
 
-/// Bytes of a chunk at most, so that 32 bits suffice to number its lines and vertices.
+/// Most bytes of a chunk, so that 32 bits suffice to number its lines and vertices.
 inline constexpr std::size_t kMaxObjChunkBytes = std::size_t{1} << 31;
 
-/// Cuts a file into chunks, one after the other as they are requested, so that no more of the file need be in memory
-/// than what is being parsed. Cuts are at line ends, never inside a line that a backslash continues.
+/// Cuts a file into chunks on request, one after the other, so that no more of the file need be in memory than is being
+/// parsed. Cuts are at line ends, never inside a line that a backslash continues.
 ///
 /// threads  one at a time
 class ObjSplitter {
@@ -58,8 +58,8 @@ class ObjSplitter {
   explicit ObjSplitter(const Reading& reading) : reading_(reading), text_(reading.begin(), reading.bytes.size()) {}
 
   std::size_t chunk_count_at_most() const { return text_.size() / kChunkBytes + 1; }
-  /// The next chunk; one without text where there are no more.
-  /// throws  LoadError for a line of more than kMaxObjChunkBytes, and where the rest of the file cannot be read
+  /// The next chunk; one without text if there are no more.
+  /// throws  LoadError for a line of more than kMaxObjChunkBytes, and if the rest of the file cannot be read
   ObjChunk next();
 
  private:

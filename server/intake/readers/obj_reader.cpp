@@ -24,7 +24,7 @@ struct Belonging {
   auto operator<=>(const Belonging&) const = default;  // NOLINT(modernize-use-nullptr): it compares with 0
 };
 
-/// A run of faces of one chunk that belong to one part, and where its triangles end in the chunk.
+/// A run of faces of one chunk that belong to one part, and the end of its triangles in the chunk.
 struct FaceRun {
   std::size_t chunk_index;
   std::size_t first_face;
@@ -34,7 +34,7 @@ struct FaceRun {
   std::size_t end_triangle = 0;
 };
 
-/// A polygon that crosses itself, and where its triangles begin in the chunk.
+/// A polygon that crosses itself, and the begin of its triangles in the chunk.
 struct CrossingFace {
   std::vector<std::uint32_t> corners;
   std::size_t first_triangle;
@@ -72,7 +72,7 @@ class ObjReader {
   }
 
  private:
-  /// Cuts chunks off the file up to that one, which a thread needs next. False where there are fewer.
+  /// Cuts chunks off the file up to that one, which a thread needs next. False if there are fewer.
   bool is_cut(std::size_t index) {
     const std::lock_guard lock(cutting_);
     while (cut_count_ <= index) {
@@ -102,7 +102,7 @@ class ObjReader {
     }
   }
 
-  // Makes runs of the faces in file order; a run ends where the part changes.
+  // Makes runs of the faces in file order; a run ends when the part changes.
   void find_runs() {
     for (std::size_t i = 0; i < chunks_.size(); ++i) {
       const ObjChunk& chunk = chunks_[i];
@@ -274,7 +274,7 @@ class ObjReader {
   }
 
   const Reading& reading_;
-  std::mutex cutting_;  // guards the splitter, cut_count_ and the chunks from there on
+  std::mutex cutting_;  // guards the splitter, cut_count_ and the chunks from that one on
   ObjSplitter splitter_;
   std::size_t cut_count_ = 0;
   std::vector<ObjChunk> chunks_;

@@ -14,7 +14,8 @@ constexpr int kDepth = 16;
 
 /// Reads the occupied cells of an OctoMap as boxes.
 /// source    Hornung et al., "OctoMap: an efficient probabilistic 3D mapping framework", 2013; the .bt stream as
-///           OctoMap 1.9 writes it: of each inner node two bytes, two bits a child, and after them its inner children
+///           OctoMap 1.9 writes it: for each inner node two bytes, two bits per child, and after them its inner
+///           children
 class OctomapReader {
  public:
   explicit OctomapReader(const Reading& reading) : reading_(reading) {}
@@ -78,7 +79,7 @@ class OctomapReader {
       const unsigned bits = static_cast<std::uint8_t>(reading_.bytes[at_]) |
                             static_cast<unsigned>(static_cast<std::uint8_t>(reading_.bytes[at_ + 1])) << 8;
       at_ += 2;
-      // Children are put on the stack in reverse, so that the first one's branch is read first.
+      // Children are pushed onto the stack in reverse, so that the first one's branch is read first.
       for (unsigned child = 8; child-- > 0;) {
         const unsigned state = bits >> (2 * child) & 3;  // 0 unknown, 1 free, 2 occupied, 3 an inner node
         if (state >= 2) take_child(node, child, state == 3, waiting);

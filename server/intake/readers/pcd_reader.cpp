@@ -141,15 +141,15 @@ double value_at(const char* bytes, const PcdField& field) {
     case 1: return is_signed ? number_at<std::int8_t>(bytes, kOrder) : number_at<std::uint8_t>(bytes, kOrder);
     case 2: return is_signed ? number_at<std::int16_t>(bytes, kOrder) : number_at<std::uint16_t>(bytes, kOrder);
     default:
-      // Each is converted by itself: the common type of the two would be unsigned.
+      // Each is converted separately: the common type of the two would be unsigned.
       return is_signed ? static_cast<double>(number_at<std::int32_t>(bytes, kOrder))
                        : number_at<std::uint32_t>(bytes, kOrder);
   }
 }
 
-/// Unpacks LZF. Nothing where the result does not have the stated size.
-/// source    LibLZF's stream format: a byte below 32 is a run of that many literals and one; else three bits of length
-///           and thirteen of distance back, with one more byte of length where the three are all set
+/// Unpacks LZF. Nothing if the result does not have the stated size.
+/// source    LibLZF's stream format: a byte below 32 starts a run of one more than that many literals; else three bits
+///           of length and thirteen of distance back, with one more byte of length if the three are all set
 std::optional<std::string> unpack_lzf(std::string_view packed, std::size_t size) {
   std::string out;
   out.reserve(size);

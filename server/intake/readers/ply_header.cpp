@@ -60,7 +60,7 @@ class HeaderParser {
 
  private:
   // Skips a line with an unknown keyword: Blender 2.4 wrote its comment without the word. Before the first element such
-  // a line cannot be about the rows.
+  // a line cannot describe the rows.
   void skip_stray_line(std::string_view keyword) {
     if (!header_.elements.empty() || reading_.options.strict) {
       cursor_.complain(fmt::format("{} is no word of a PLY header", in_quotes(keyword)));
@@ -117,8 +117,8 @@ class HeaderParser {
     return *type;
   }
 
-  // Refuses more rows than the file has room for. A row takes at least the bytes of its numbers and of its
-  // lists' lengths, in text a digit and a blank for each.
+  // Refuses more rows than fit the file. A row takes at least the bytes of its numbers and of its lists' lengths, in
+  // text a digit and a blank for each.
   void check_room() const {
     const std::uint64_t room = reading_.bytes.size() - header_.body_byte + 1;
     for (const PlyElement& element : header_.elements) {

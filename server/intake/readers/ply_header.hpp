@@ -20,7 +20,7 @@ std::size_t byte_count(PlyType type);
 struct PlyProperty {
   std::string_view name;
   PlyType type;
-  std::optional<PlyType> count_type;  // of a list's length; none: not a list
+  std::optional<PlyType> count_type;  // type of a list's length; none: not a list
 };
 
 /// A table of the file, such as the vertices or the faces.
@@ -33,15 +33,15 @@ struct PlyElement {
   int find(std::string_view property_name) const;
 };
 
-/// What the header says of the rest of the file. Names point into the reading.
+/// The header's description of the rest of the file. Names point into the reading.
 struct PlyHeader {
   PlyFormat format = PlyFormat::text;
   std::vector<PlyElement> elements;
   std::size_t body_byte = 0;  // where the rows begin
 };
 
-/// Parses the header. Throws a LoadError where it is not a PLY header, or announces more rows than the rest of the file
-/// has room for.
+/// Parses the header. Throws a LoadError if it is not a PLY header, or announces more rows than fit the rest of the
+/// file.
 PlyHeader parse_ply_header(const Reading& reading);
 
 }  // namespace collided::engine

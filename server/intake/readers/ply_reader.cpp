@@ -55,8 +55,8 @@ class ByteRows {
 
   const char* place() const { return at_; }
   const char* begin_row() const { return at_; }
-  /// Reads a list of three 4-byte numbers counted by one byte, as nearly every file has them, in one go. False where
-  /// the row is anything else, or the file ends in it: nothing has been read then.
+  /// Reads a list of three 4-byte numbers counted by one byte, as in nearly every file, in one step. False, without
+  /// reading anything, if the row is anything else, or the file ends in it.
   bool take_triangle(const PlyElement& element, std::array<std::int64_t, 3>& numbers) {
     constexpr std::size_t kBytes = 1 + 3 * sizeof(std::int32_t);
     if (static_cast<std::size_t>(reading_.end() - at_) < kBytes || *at_ != 3) return false;

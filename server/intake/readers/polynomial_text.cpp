@@ -18,12 +18,12 @@ using Kind = PolynomialStep::Kind;
 
 constexpr int kMostParentheses = 64;
 
-/// Parses a polynomial by recursive descent into steps for a stack machine, and keeps track of the stack's depth.
+/// Parses a polynomial by recursive descent into steps for a stack machine, and tracks the stack's depth.
 ///
-///   sum     = ['+' | '-'] product {('+' | '-') ['+' | '-'] product}
-///   product = power {'*' ['+' | '-'] power}
-///   power   = atom ['^' whole number]
-///   atom    = number | 'x' | 'y' | 'z' | '(' sum ')'
+/// sum     = ['+' | '-'] product {('+' | '-') ['+' | '-'] product}
+/// product = power {'*' ['+' | '-'] power}
+/// power   = atom ['^' whole number]
+/// atom    = number | 'x' | 'y' | 'z' | '(' sum ')'
 class PolynomialReader {
  public:
   explicit PolynomialReader(std::string_view text) : text_(text) {}
@@ -174,7 +174,7 @@ class PolynomialReader {
   }
   bool at_end() const { return at_ == text_.size(); }
 
-  /// Steps over one of these characters and returns it; 0 where none comes next.
+  /// Steps over one of these characters and returns it; 0 if none comes next.
   char skip_one_of(std::string_view characters) {
     skip_blanks();
     if (at_end() || characters.find(text_[at_]) == std::string_view::npos) return 0;

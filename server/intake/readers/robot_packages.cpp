@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 constexpr std::string_view kPackage = "package://";
 constexpr int kMostLevels = 4;
 
-/// What "package://NAME/FILE" or "FILE" is made of; an empty file where it cannot be one of a package.
+/// The components of "package://NAME/FILE" or "FILE"; an empty file if it cannot be in a package.
 struct PackageName {
   std::string package;
   fs::path file;
@@ -49,7 +49,7 @@ std::vector<fs::path> folders_in(const char* variable) {
   return folders;
 }
 
-/// Where the file may be, in the order in which it is looked for.
+/// The possible places of the file, in search order.
 std::vector<fs::path> candidates(const std::string& robot_folder, const PackageName& name) {
   std::vector<fs::path> paths;
   fs::path folder = fs::absolute(robot_folder);

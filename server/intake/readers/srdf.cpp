@@ -16,7 +16,7 @@ LinkPairs read_srdf(const std::string& text, const std::string& file) {
     throw LoadError(fmt::format("{}: byte {}: {}. Nothing was loaded.", file, parsed.offset, parsed.description()));
   const pugi::xml_node robot = document.child("robot");
   if (!robot) throw LoadError(fmt::format("{}: no <robot> in it. Nothing was loaded.", file));
-  // Both kinds of file have a <robot>; one that describes the links themselves allows no pairs, and would silently do so.
+  // Both kinds of file have a <robot>; a file that describes the links themselves would silently allow no pairs.
   if (robot.child("link") || robot.child("joint"))
     throw LoadError(
         fmt::format("{}: it describes links and joints, so it is a URDF file; --srdf takes an SRDF file, with "

@@ -30,7 +30,7 @@ bool is_word(std::string_view word, std::string_view lower) {
 }
 
 // Whether a file is text. Binary files often begin with "solid" too. A size that matches the triangle count to the byte
-// means binary; else text is what begins with "solid" and has "facet" or "endsolid" among its next words.
+// means binary; else a text file begins with "solid" and has "facet" or "endsolid" among its next words.
 bool is_text(const Reading& reading) {
   if (reading.bytes.size() >= kHeaderBytes &&
       reading.bytes.size() == kHeaderBytes + kTriangleBytes * claimed_triangles(reading)) {
@@ -76,8 +76,8 @@ Scene read_binary(const Reading& reading) {
   }
   Scene scene;
   scene.mesh.triangles.resize(count);
-  // STL has no vertex numbers: corners with equal coordinates are what the format calls one vertex. A closed surface
-  // has half as many as triangles.
+  // STL has no vertex numbers: corners with equal coordinates count as one vertex. A closed surface has half as many
+  // vertices as triangles.
   Welder welder(scene.mesh.vertices, count / 2 + 16);
   constexpr std::size_t kTriangles = Welder::kBatch / 3;
   static_assert(kGivenBack % kTriangles == 0);

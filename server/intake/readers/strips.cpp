@@ -51,7 +51,7 @@ class FreeTriangles {
   std::vector<bool> is_taken_;
 };
 
-/// Takes a fan around the corner `center`: free triangles from the given one on, as far as they go.
+/// Takes a fan around the corner `center`: free triangles starting with the given one, as far as they go.
 std::vector<std::uint32_t> fan_from(FreeTriangles& free, std::uint32_t center, std::uint32_t second,
                                     std::uint32_t triangle) {
   std::vector<std::uint32_t> fan{center, second};
@@ -72,7 +72,7 @@ std::vector<std::uint32_t> strip_from(const TriangleMesh& mesh, FreeTriangles& f
   taken.assign(1, triangle);
   free.take(triangle);
   while (true) {
-    // Triangle i of the strip runs from vertex i to i + 1 where i is even, the other way where it is odd.
+    // Triangle i of the strip runs from vertex i to i + 1 if i is even, the other way if it is odd.
     const std::size_t i = strip.size() - 2;
     const std::uint32_t a = strip[i + i % 2];
     const std::uint32_t b = strip[i + 1 - i % 2];

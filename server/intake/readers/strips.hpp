@@ -22,7 +22,7 @@ Runs fans_of(const TriangleMesh& mesh);
 /// source  greedy: Akeley, Haeberli, Burns, "tomesh", 1990
 Runs strips_of(const TriangleMesh& mesh);
 
-/// The memory that a mesh takes in one encoding, including its vertices of three doubles.
+/// The memory of a mesh in one encoding, including its vertices of three doubles.
 struct EncodingSize {
   std::string name;
   std::size_t bytes = 0;

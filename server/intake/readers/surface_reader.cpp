@@ -20,7 +20,7 @@ constexpr std::string_view kKinds =
     "waves LENGTH WIDTH AMPLITUDE KX KY, patch DEGREE DEGREE COLUMNS ROWS POINTS, "
     "implicit POLYNOMIAL";
 
-/// A factor after which a number written with three digits is no less than it was.
+/// With this factor, a number written with three digits is no less than before.
 constexpr double kRoundedUp = 1.0051;
 
 /// Reads one surface from each line: NAME KIND NUMBERS [at X Y Z] (count N [M] | error E), or NAME implicit POLYNOMIAL
@@ -70,7 +70,7 @@ class SurfaceReader {
     } catch (const std::invalid_argument& wrong) { cursor_.complain(wrong.what()); }
   }
 
-  /// An implicit surface makes no triangles, but its line is checked.
+  /// An implicit surface gives no triangles, but its line is checked.
   void skip_implicit(const std::string& name) {
     rest_as_implicit_surface(cursor_);
     reading_.report.refused.push_back(
@@ -125,7 +125,7 @@ class SurfaceReader {
     throw std::invalid_argument(fmt::format("surface {}, allowed are: {}", in_quotes(std::string_view(kind)), kKinds));
   }
 
-  /// z = amplitude sin(kx x) sin(ky y) about the origin.
+  /// z = amplitude sin(kx x) sin(ky y) around the origin.
   HeightFunction waves() const {
     const double amplitude = numbers_[2];
     const double kx = numbers_[3];

@@ -10,8 +10,8 @@
 namespace collided::engine {
 namespace {
 
-// Whether a number that is out of the range of double is too small, so that it counts as 0, and not too large.
-// from_chars reports both as "out of range". The sign of the decimal exponent of the first significant digit decides.
+// Whether a number out of the range of double is too small, so that it counts as 0, and not too large. from_chars
+// reports both as "out of range". The sign of the decimal exponent of the first significant digit decides.
 bool is_tiny(std::string_view digits) {
   const std::size_t exponent_at = std::min(digits.find_first_of("eE"), digits.size());
   const std::string_view mantissa = digits.substr(0, exponent_at);

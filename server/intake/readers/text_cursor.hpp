@@ -27,7 +27,7 @@ class TextCursor {
   std::uint32_t lines_passed() const { return lines_passed_; }
   bool at_file_end() const { return at_ == end_; }
 
-  /// Skips blanks and says whether the line has no further word.
+  /// Skips blanks and returns whether the line has no further word.
   bool at_line_end() {
     skip_blanks();
     return at_ == end_ || *at_ == '\n' || (comments_ && *at_ == '#');
@@ -46,9 +46,9 @@ class TextCursor {
   /// The next word as a number, else an error. `what` names the number in the error, as in "vertex coordinate".
   double finite_number(std::string_view what);
   std::int64_t integer(std::string_view what);
-  /// The same, but stops at the first character that is not a digit (the slashes of OBJ).
+  /// Stops at the first character that is not a digit (the slashes of OBJ).
   std::int64_t integer_prefix(std::string_view what);
-  /// Steps over the character c if it comes next, and says whether it did.
+  /// Steps over the character c if it comes next, and returns whether it did.
   bool skip(char c);
   bool at_blank_or_end() const { return at_ == end_ || is_blank(*at_) || *at_ == '\n' || is_continuation(); }
 

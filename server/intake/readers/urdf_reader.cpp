@@ -66,7 +66,7 @@ class UrdfReader {
     return {numbers(origin.attribute("xyz"), Vec3::Zero()), rotation.normalized()};
   }
 
-  /// The three numbers of an attribute; `otherwise` where there is none.
+  /// The three numbers of an attribute; `otherwise` if it is missing.
   Vec3 numbers(const pugi::xml_attribute& attribute, const Vec3& otherwise) const {
     if (!attribute) return otherwise;
     const std::string_view text = attribute.value();
@@ -89,7 +89,7 @@ class UrdfReader {
     return value;
   }
 
-  /// Places the links, along the tree of joints from those links that are not the child of one.
+  /// Places the links, along the tree of joints, starting with the links that are not the child of any.
   void place_links(const pugi::xml_node& robot) {
     std::unordered_map<std::string, std::vector<Joint>> joints_below;
     std::unordered_map<std::string, std::size_t> parent_counts;
@@ -207,7 +207,7 @@ class UrdfReader {
       report.placed.push_back(moving_joint_count_ == 1 ? std::string("1 joint stands at 0")
                                                        : fmt::format("{} joints stand at 0", moving_joint_count_));
     if (reading_.options.srdf.empty()) {
-      scene_.allowed_pairs = std::make_shared<const AllowedPairs>();  // every pair
+      scene_.allowed_pairs = std::make_shared<const AllowedPairs>();  // allows every pair
       report.warnings.emplace_back(
           "the links never meet each other: without an SRDF file (--srdf) nothing says which of them may touch");
       return;

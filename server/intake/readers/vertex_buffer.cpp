@@ -14,7 +14,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they lie");
 
-/// What is wrong with a buffer; thrown and caught in this file.
+/// The flaw of a buffer; thrown and caught in this file.
 struct VertexFlaw {
   std::string what;
 };

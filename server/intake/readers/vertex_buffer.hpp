@@ -27,23 +27,23 @@ enum class BufferKind : std::uint8_t {
 struct VertexBuffer {
   BufferKind kind = BufferKind::triangles;
   bool is_double = false;               // positions are three doubles, else three floats
-  std::size_t stride_bytes = 0;         // from vertex to vertex
+  std::size_t stride_bytes = 0;         // distance between vertices
   std::size_t offset_bytes = 0;         // from a vertex's beginning to its position
-  std::span<const std::byte> vertices;  // the last one may end after its position
-  std::size_t index_bytes = 0;          // of one index: 2 or 4; 0: there are none, vertices are used in their order
+  std::span<const std::byte> vertices;  // the last vertex may end after its position
+  std::size_t index_bytes = 0;          // bytes of one index: 2 or 4; 0: no indices, vertices are used in order
   std::span<const std::byte> indices{};
 };
 
 /// A decoded buffer: the vertices in double, with their numbers in the buffer, and what they form.
-/// memory  24 bytes a vertex, 12 a triangle, 8 a segment, 4 a point
+/// memory  24 bytes per vertex, 12 per triangle, 8 per segment, 4 per point
 struct DecodedBuffer {
-  TriangleMesh mesh;  // of triangles, a fan or a strip; for other kinds it has vertices only
-  std::vector<std::array<std::uint32_t, 2>> segments{};  // of segments or a polyline
-  std::vector<std::uint32_t> points{};                   // of points
+  TriangleMesh mesh;  // for triangles, a fan or a strip; for other kinds it has vertices only
+  std::vector<std::array<std::uint32_t, 2>> segments{};  // for segments or a polyline
+  std::vector<std::uint32_t> points{};                   // for points
 };
 
-/// Vertex numbers of triangle i of a strip. Where two are equal it does not count as a triangle: such entries only
-/// steer the strip.
+/// Vertex numbers of triangle i of a strip. If two are equal it does not count as a triangle: such entries only steer
+/// the strip.
 inline TriangleCorners strip_triangle(std::span<const std::uint32_t> strip, std::size_t i) {
   const std::size_t odd = i % 2;
   return {strip[i + odd], strip[i + 1 - odd], strip[i + 2]};
@@ -52,10 +52,10 @@ inline TriangleCorners strip_triangle(std::span<const std::uint32_t> strip, std:
 /// Whether two corners are equal.
 inline bool is_collapsed(const TriangleCorners& c) { return c[0] == c[1] || c[1] == c[2] || c[2] == c[0]; }
 
-/// Decodes a buffer from anyone, or says why that is not possible: what, where, value, limit, as in
-/// "triangle 7: corner 2 is vertex 9 of 8".
+/// Decodes an untrusted buffer, or returns why that is not possible: what, where, value, limit, as in "triangle 7:
+/// corner 2 is vertex 9 of 8".
 ///
-/// promise  reads nothing outside the spans; takes no more memory than DecodedBuffer says
+/// promise  reads nothing outside the spans; takes no more memory than stated at DecodedBuffer
 std::variant<DecodedBuffer, std::string> decode_buffer(const VertexBuffer& buffer);
 
 /// The buffer as a shape, or why that is not possible: triangles become a mesh, points become balls and lines capsules

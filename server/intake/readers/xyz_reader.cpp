@@ -6,7 +6,7 @@
 
 namespace collided::engine {
 
-/// Each line has the three coordinates of a point. What follows them (intensity, colour) is ignored.
+/// Each line has the three coordinates of a point. Further columns (intensity, colour) are ignored.
 Scene read_xyz(const Reading& reading) {
   TextCursor cursor(reading, {reading.begin(), reading.bytes.size()}, TextCursor::LineEnd::newline_or_comment, false);
   SceneObject cloud;
