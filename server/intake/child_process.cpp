@@ -32,7 +32,7 @@ class Pipe {
   int write_end() const { return ends_[1]; }
   void close_write_end() { close_end(1); }
 
-  /// Appends what can be read now; closes the end that is read at the end of the stream.
+  /// Appends what can be read now; at the end of the stream, closes the read end.
   void drain_into(std::string& text) {
     std::array<char, 4096> piece;
     const ssize_t got = ::read(ends_[0], piece.data(), piece.size());
@@ -51,7 +51,7 @@ class Pipe {
   std::array<int, 2> ends_{-1, -1};
 };
 
-/// A file in memory that holds these bytes, positioned at its beginning.
+/// A file in memory with these bytes, positioned at its beginning.
 class ChildInput {
  public:
   explicit ChildInput(std::span<const std::byte> bytes) : file_(::memfd_create("input", MFD_CLOEXEC)) {

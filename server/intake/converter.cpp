@@ -26,7 +26,7 @@ namespace fs = std::filesystem;
 constexpr int kDefaultSeconds = 30;
 constexpr std::string_view kStem = "collided-import-";
 
-/// An open file that holds the lock on the directory, or -1: another process has it.
+/// An open file that holds the lock on the directory, or -1 if another process has it.
 int lock_directory(const std::string& path) {
   const int directory = ::open(path.c_str(), O_RDONLY | O_DIRECTORY | O_NOFOLLOW | O_CLOEXEC);
   if (directory >= 0 && ::flock(directory, LOCK_EX | LOCK_NB) == 0) return directory;
@@ -34,7 +34,7 @@ int lock_directory(const std::string& path) {
   return -1;
 }
 
-/// Removes the directories that killed processes left. A young one may be about to be locked.
+/// Removes the directories left by killed processes. A young one may be about to be locked.
 void remove_left_ones(const fs::path& parent) {
   constexpr std::chrono::minutes kYoung{1};
   std::error_code error;
@@ -139,8 +139,8 @@ ConvertedFile::ConvertedFile(const std::string& path, const std::string& scene_n
   }
   if (result.exit_code != 0) {
     const std::string said = first_line(result.errors);
-    if (said.ends_with("Nothing was loaded")) throw LoadError(said + ".");  // it has named the file
-    constexpr int kRefused = 1;                                             // the file, for the reason that it says
+    if (said.ends_with("Nothing was loaded")) throw LoadError(said + ".");  // the message names the file already
+    constexpr int kRefused = 1;  // the converter refused the file, and printed the reason
     if (result.exit_code == kRefused && !said.empty()) refuse_file(file_name(path), said);
     const std::string ended = result.exit_code > 0 ? fmt::format("failed with code {}", result.exit_code)
                                                    : fmt::format("was ended by signal {}", result.signal);

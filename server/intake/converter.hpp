@@ -6,11 +6,11 @@
 
 namespace collided::engine {
 
-/// A new directory under the system's temporary one. The destructor removes it with everything in it; those of killed
-/// processes are removed by the next constructor, once a minute has passed since they were made.
+/// A new directory under the system's temporary one. The destructor removes it with its content; the next constructor
+/// removes those of killed processes, once they are a minute old.
 class TemporaryDirectory {
  public:
-  /// throws    LoadError naming `file` when none can be made
+  /// throws    LoadError naming `file` if none can be made
   explicit TemporaryDirectory(const std::string& file);
   ~TemporaryDirectory();
   TemporaryDirectory(const TemporaryDirectory&) = delete;
@@ -20,7 +20,7 @@ class TemporaryDirectory {
 
  private:
   std::string path_;
-  int lock_ = -1;  // on the directory: it is in use
+  int lock_ = -1;  // on the directory: marks it as in use
 };
 
 /// Converts a file of any format to a .cscene file in a separate process, the converter. The destructor removes the
@@ -33,7 +33,7 @@ class TemporaryDirectory {
 class ConvertedFile {
  public:
   /// Runs the converter to its end.
-  /// throws    LoadError when there is no converter, it fails or takes too long, or the caller cancels
+  /// throws    LoadError if there is no converter, it fails or takes too long, or the caller cancels
   ConvertedFile(const std::string& path, const std::string& scene_name, const LoadOptions& options, LoadReport& report);
 
   std::string path() const { return directory_.path() + "/scene.cscene"; }

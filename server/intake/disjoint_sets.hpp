@@ -8,12 +8,12 @@
 namespace collided::engine {
 
 /// Sets of the numbers 0 to count - 1, at first one number each, that can only be joined. The smallest number of a set
-/// names it.
+/// is its name.
 ///
 /// cost      nearly constant for each call
 /// threads   one at a time
 /// source    Galler, Fischer, "An improved equivalence algorithm", 1964; halving paths: van Leeuwen, van der Weide,
-/// 1977
+///           1977
 class DisjointSets {
  public:
   explicit DisjointSets(std::size_t count) : parents_(count) { std::iota(parents_.begin(), parents_.end(), 0u); }

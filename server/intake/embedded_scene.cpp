@@ -17,7 +17,7 @@ void add_part(Scene& scene, const std::string& name, const TriangleMesh& mesh) {
       {scene.name + "/" + name, first_triangle, static_cast<std::uint32_t>(mesh.triangles.size()), {}});
 }
 
-/// Three boards between two side panels, 2.4 m long and 1.2 m high, its middle at (x, y).
+/// Three boards between two side panels, 2.4 m long and 1.2 m high, centred at (x, y).
 void add_shelf(Scene& scene, const std::string& name, double x, double y) {
   constexpr double kHalfLength_m = 1.2;
   constexpr double kHalfDepth_m = 0.4;

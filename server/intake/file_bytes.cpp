@@ -25,7 +25,7 @@ void refuse_file(const std::string& name, const std::string& what) {
 std::string file_name(const std::string& path) { return std::filesystem::path(path).filename().string(); }
 
 FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& options) : name_(file_name(path)) {
-  // Not blocking: opening a pipe without a writer would wait for ever.
+  // Non-blocking: opening a pipe without a writer would wait for ever.
   file_.number = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat state {};
   if (file_.number < 0 || ::fstat(file_.number, &state) != 0) {
@@ -44,7 +44,7 @@ FileBytes::FileBytes(const std::string& path, Access access, const LoadOptions& 
     return;
   }
   reserve();
-  // The first page is needed in any case: it tells formats apart.
+  // The first page is always needed, to detect the format.
   if (access == Access::copied_as_asked) fetch_before(1);
   else copy_all(options);
 }

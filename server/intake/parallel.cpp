@@ -32,7 +32,7 @@ struct ParallelRun {
 void run_in_parallel(std::size_t task_count, const std::function<void(std::size_t)>& task,
                      const std::function<void(std::size_t)>& between) {
   ParallelRun run;
-  // Tasks are handed out in order, so when one fails, every one with a smaller number has been started and its failure
+  // Tasks are handed out in order, so when one fails, all with smaller numbers have been started and their failures
   // will be seen.
   const auto take_one = [&] {
     const std::size_t index = run.next.fetch_add(1);

@@ -10,7 +10,7 @@ namespace collided::engine {
 /// between   called on the calling thread after each of its own tasks, with the number of tasks done. It may throw,
 ///           which ends the run
 /// promise   all other threads have ended when this returns or throws
-/// throws    what the task with the smallest number threw, so that the outcome does not depend on the threads
+/// throws    the exception of the task with the smallest number, so that the outcome does not depend on the threads
 void run_in_parallel(std::size_t task_count, const std::function<void(std::size_t)>& task,
                      const std::function<void(std::size_t)>& between);
 

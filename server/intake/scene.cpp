@@ -29,11 +29,11 @@
 namespace collided::engine {
 namespace {
 
-/// What a reader returns: one mesh in parts, one cloud of points, separate objects, a whole scene as it was saved, or what
-/// is needed of one that was saved in tiles.
+/// The result of a reader: one mesh in parts, one cloud of points, separate objects, a whole saved scene, or the needed
+/// tiles of a saved scene.
 enum class Content { mesh, cloud, objects, saved, tiles };
 
-/// What is known of a format before a file of it is read.
+/// Properties of a format that are known before a file is read.
 struct FileFormat {
   const char* ending;
   const char* name;
@@ -91,7 +91,7 @@ void check_options(const Reading& reading) {
   }
 }
 
-/// The bytes without the byte order mark that a text editor may put first.
+/// The bytes without the byte order mark that a text editor may write first.
 std::span<const char> without_mark(const Reading& reading) {
   const std::string_view text(reading.begin(), reading.bytes.size());
   if (text.starts_with("\xff\xfe") || text.starts_with("\xfe\xff")) {
@@ -107,19 +107,19 @@ TriangleMesh scaled(TriangleMesh mesh, double unit_m) {
 
 Vec3 turned_up(const Vec3& v) { return {v[0], -v[2], v[1]}; }
 
-/// Why a unit or axis was taken: the caller or the format says so, or it is assumed.
+/// Reason for the unit or axis: given by the caller or the format, or assumed.
 std::string because(const FileFormat& format, bool is_asked, bool is_said, std::string_view option) {
   if (is_asked) return "as asked";
   return is_said ? fmt::format("as {} says", format.name)
                  : fmt::format("since {} does not say; {} does", format.name, option);
 }
 
-/// Reports the unit, up axis and origin that were taken, and why.
+/// Reports the unit, up axis and origin that were used, and why.
 void tell_placement(const FileFormat& format, const Reading& reading) {
   const LoadOptions& options = reading.options;
   const char up = options.up != 0 ? options.up : format.up;
   std::vector<std::string>& placed = reading.report.placed;
-  // A converter tells what it has done by itself; what it could not find out is told here.
+  // A converter reports its own choices; what it could not determine is reported here.
   const auto told = [&](std::string_view what) {
     return std::any_of(placed.begin(), placed.end(),
                        [&](const std::string& line) { return line.find(what) != std::string::npos; });
@@ -139,8 +139,7 @@ bool turns_y_up(const FileFormat& format, const LoadOptions& options) {
   return (options.up != 0 ? options.up : format.up) == 'y';
 }
 
-/// Converts the scene from the file's unit and axes to metres with z up. Numbers do not change where that is so
-/// already.
+/// Converts the scene from the file's unit and axes to metres with z up. Numbers do not change if that is so already.
 void place(const FileFormat& format, const Reading& reading, Scene& scene) {
   tell_placement(format, reading);
   const double unit_m = reading.options.unit_m;
@@ -153,7 +152,7 @@ void place(const FileFormat& format, const Reading& reading, Scene& scene) {
     }
   }
   if (unit_m != 1 || turns) forget_indexes(scene);
-  const Quat quarter_turn(std::sqrt(0.5), std::sqrt(0.5), 0, 0);  // about x
+  const Quat quarter_turn(std::sqrt(0.5), std::sqrt(0.5), 0, 0);  // around x
   for (SceneObject& object : scene.objects) {
     if (unit_m != 1) {
       if (const std::string reason = scale(object.shape, Vec3::Constant(unit_m)); !reason.empty()) {
@@ -211,7 +210,7 @@ void report_oddities(const Reading& reading, const TriangleMesh& mesh) {
   tell(found.equal_vertices, "vertices with the coordinates of another one kept");
 }
 
-/// Mends the meshes if requested, and reports what is odd.
+/// Mends the meshes if requested, and reports anomalies.
 void finish_mesh(const Reading& reading, Scene& scene) {
   const auto tell = [&](const std::vector<std::string>& lines) {
     reading.report.mended.insert(reading.report.mended.end(), lines.begin(), lines.end());
@@ -230,7 +229,7 @@ void check_mesh(const Reading& reading, const Scene& scene) {
   }
 }
 
-/// Gives the points of a cloud their radius, which is in metres whatever the file's unit.
+/// Gives the points of a cloud their radius, which is in metres regardless of the file's unit.
 void set_radius(const Reading& reading, SceneObject& cloud) {
   for (Primitive& point : cloud.shape.primitives) { std::get<Sphere>(point).radius_m = reading.options.radius_m; }
   if (reading.options.radius_m == 0) {
@@ -238,7 +237,7 @@ void set_radius(const Reading& reading, SceneObject& cloud) {
   }
 }
 
-/// Returns the memory of the file's bytes, since the steps after reading need memory themselves.
+/// Releases the memory of the file's bytes, since the steps after reading need memory themselves.
 void drop_bytes(Reading& reading) {
   if (reading.give_back) reading.give_back(reading.bytes);
   reading.bytes = {};
@@ -285,15 +284,15 @@ Scene load(const FileFormat& format, Reading reading) {
   return scene;
 }
 
-/// How a file of the format comes into memory.
+/// How a file of the format is brought into memory.
 FileBytes::Access access_to(const FileFormat& format) {
   if (format.content == Content::tiles) return FileBytes::Access::mapped_as_read;
   if (format.content == Content::saved) return FileBytes::Access::mapped;
   return format.asks_for_bytes ? FileBytes::Access::copied_as_asked : FileBytes::Access::copied;
 }
 
-/// Has the converter process read a file of a format that this process could read too, since the file is not trusted.
-/// Its result is checked like any scene file.
+/// Has the converter process read an untrusted file of a format that this process could read too. Its result is checked
+/// like any scene file.
 Scene load_apart(const std::string& path, const LoadOptions& options, LoadReport& report) {
   const ConvertedFile converted(path, scene_name(path, options), options, report);
   const auto bytes = std::make_shared<FileBytes>(converted.path(), FileBytes::Access::copied, LoadOptions{});
@@ -318,7 +317,7 @@ Scene load_converted(const std::string& path, const LoadOptions& options, LoadRe
   return scene;
 }
 
-/// The program that unpacks a file of this name; nothing where it is not packed.
+/// The program that unpacks a file of this name; nothing if it is not packed.
 std::string unpacker_of(const std::string& path) {
   const std::string ending = std::filesystem::path(path).extension().string();
   for (const auto& [packed, tool] : {std::pair(".gz", "gunzip"), std::pair(".xz", "unxz"), std::pair(".bz2", "bunzip2"),

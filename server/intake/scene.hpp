@@ -19,22 +19,22 @@
 
 namespace collided::engine {
 
-/// How the triangles of a part relate to those of the file, where they are not the same.
+/// How the triangles of a part relate to those of the file, if they are not the same.
 ///
-/// When mending cuts a triangle, its first piece keeps the number, and the other pieces go to the end of the part.
-/// Of a part that is here only in part, the triangles keep the numbers that they have in the whole one.
+/// When mending cuts a triangle, its first piece keeps the number, and the other pieces go to the end of the part. If
+/// only some of a part's triangles are held, they keep their numbers in the whole part.
 struct CutTriangles {
-  /// For each of the pieces at the end of the whole part, in order, the number of the triangle that it was cut from. Null:
-  /// nothing was cut.
+  /// For each of the pieces at the end of the whole part, in order, the number of the triangle that it was cut from.
+  /// Null: nothing was cut.
   std::shared_ptr<const std::vector<std::uint32_t>> piece_of{};
-  /// For each triangle that is here its number in the whole part, ascending. Null: all of them are here.
+  /// For each held triangle its number in the whole part, ascending. Null: all are held.
   std::shared_ptr<const std::vector<std::uint32_t>> held{};
-  std::uint32_t whole_count = 0;  // triangles of the whole part, where only some are held
+  std::uint32_t whole_count = 0;  // triangles of the whole part, if only some are held
 
   std::size_t piece_count() const { return piece_of ? piece_of->size() : 0; }
   bool is_whole() const { return held == nullptr; }
-  /// The number that answers report for a triangle of the part: that in the file. A number that is not one of the
-  /// part's comes back unchanged.
+  /// The number by which answers name a triangle of the part: that in the file. An invalid number is returned
+  /// unchanged.
   std::uint32_t told(std::uint32_t triangle, std::uint32_t triangle_count) const {
     if (triangle >= triangle_count) return triangle;
     if (held) {
@@ -46,12 +46,12 @@ struct CutTriangles {
   }
 };
 
-/// What becomes of meshes declared solid that do not close: they stay surfaces, or are solid by winding number.
+/// Treatment of open meshes that are declared solid: they stay surfaces, or become solid by winding number.
 enum class SolidBy : std::uint8_t { closing, winding };
 
-/// A run of the scene mesh's triangles that is one object: answers name it.
+/// A run of the scene mesh's triangles that is one object in answers.
 struct Part {
-  std::string name;  // "scene/part", or "scene" where the file holds one part without a name; unique in the scene
+  std::string name;  // "scene/part", or "scene" if the file has one part without a name; unique in the scene
   std::uint32_t first_triangle = 0;
   std::uint32_t triangle_count = 0;
   Filter filter{};
@@ -59,8 +59,8 @@ struct Part {
   std::optional<SolidBy> solid{};  // declared by the file
 };
 
-/// The index of a mesh as a scene file holds it, in the broad phase's own format. The bytes are unchecked, and valid
-/// for as long as the keeper lives. Empty: there is none.
+/// The index of a mesh in a scene file, in the broad phase's own format. The bytes are unchecked, and valid for as long
+/// as the keeper lives. Empty if there is none.
 struct SavedIndex {
   std::span<const std::byte> bytes{};
   std::shared_ptr<const void> keeper{};
@@ -72,9 +72,9 @@ struct SceneObject {
   Shape shape{};
   Pose pose{};
   Filter filter{};
-  SavedIndex index{};              // of the shape's mesh
-  CutTriangles cut{};              // of the shape's mesh
-  std::uint32_t number = 0;        // by which the scene's allowed pairs name it
+  SavedIndex index{};              // for the shape's mesh
+  CutTriangles cut{};              // for the shape's mesh
+  std::uint32_t number = 0;        // its number in the scene's allowed pairs
   std::optional<SolidBy> solid{};  // declared by the file
 };
 
@@ -102,21 +102,21 @@ struct Scene {
   TriangleMesh mesh{};
   std::vector<Part> parts{};
   std::vector<SceneObject> objects{};
-  std::shared_ptr<const AllowedPairs> allowed_pairs{};  // of the objects; null: none
-  bool is_moving = false;               // its objects take poses, half-spaces apart; its triangles stand still
-  SavedIndex index{};                   // of the mesh
-  CollapseOrder collapses{};            // of the mesh; empty: no levels of detail are made
+  std::shared_ptr<const AllowedPairs> allowed_pairs{};  // between the objects; null: none
+  bool is_moving = false;               // its objects take poses, except half-spaces; its triangles do not move
+  SavedIndex index{};                   // for the mesh
+  CollapseOrder collapses{};            // for the mesh; empty: no levels of detail are made
   std::optional<TilesRead> tiles{};     // nothing: the file is not in tiles
-  std::optional<FrozenWorld> frozen{};  // nothing: it is no snapshot
+  std::optional<FrozenWorld> frozen{};  // nothing: it is not a snapshot
 };
 
-/// What loading did. Each line is a sentence for the user, with a count.
+/// The results of loading. Each line is a sentence for the user, with a count.
 struct LoadReport {
   std::vector<std::string> notes;  // how the file was interpreted or approximated, with the error
   std::vector<std::string> mended;
   std::vector<std::string> refused;
   std::vector<std::string> warnings;
-  std::vector<std::string> placed;  // unit, up axis and origin: as the file says, or as assumed where it does not
+  std::vector<std::string> placed;  // unit, up axis and origin: from the file, or as assumed
   double seconds = 0;
 };
 
@@ -124,19 +124,19 @@ struct LoadReport {
 struct LoadOptions {
   std::string name{};   // empty: the file's stem
   double unit_m = 1;    // metres per unit of the file
-  char up = 0;          // axis of the file that points up: 'y' is turned to z by (x, y, z) -> (x, -z, y); 0: what the
-                        // format says, else z
-  double radius_m = 0;  // of the balls about a cloud's points
+  char up = 0;          // axis of the file that points up: 'y' is turned to z by (x, y, z) -> (x, -z, y); 0: as the
+                        // format defines, else z
+  double radius_m = 0;  // of the balls around a cloud's points
   bool strict = false;  // refuse what would otherwise be mended
-  std::optional<double> mend_m{};  // close T-vertices, and cracks up to this width; 0: the width that mend() chooses
+  std::optional<double> mend_m{};  // close T-vertices, and cracks up to this width; 0: the width chosen by mend()
   bool is_foreign = false;         // sent by a client, so not trusted: only the converter process reads it
   std::string solid{};             // name glob of the parts and objects whose meshes are declared solid; empty: none
-  bool solid_by_winding = false;   // those of them that do not close are solid by their winding number
-  std::string srdf{};              // of a URDF robot: the file that says which links may touch
-  std::vector<std::string> packages{};  // of a URDF robot: folders of packages that it names, as "NAME=DIR"
-  // Needed is only what comes into this box: a file in tiles is read no further than that, other files are read whole.
+  bool solid_by_winding = false;   // open ones among them are solid by their winding number
+  std::string srdf{};              // for a URDF robot: the file with the links that may touch
+  std::vector<std::string> packages{};  // for a URDF robot: folders of packages that it names, as "NAME=DIR"
+  // Only what reaches into this box is needed: a file in tiles is read only as far, other files are read whole.
   std::optional<Aabb> within{};
-  // The parts of which all is needed where any of it is, by their names. Empty: there are none.
+  // Names of the parts that are needed whole if any of them is needed. Empty: none.
   std::function<bool(std::string_view)> needed_whole{};
   std::uint64_t max_triangles = 100'000'000;
   std::uint64_t max_file_bytes = std::uint64_t{8} << 30;
@@ -144,24 +144,25 @@ struct LoadOptions {
   std::function<bool()> cancelled{};       // called often; true ends the load with a LoadError
 };
 
-/// Why a file cannot be loaded: where, what, value, limit and consequence, as in
-/// "bunny.ply: line 12: ... Nothing was loaded."
+/// Why a file cannot be loaded: where, what, value, limit and consequence, as in "bunny.ply: line 12: ... Nothing was
+/// loaded."
 struct LoadError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
 /// Loads a file: .obj .stl .ply .off .surfaces .gltf .glb .json and .cityjson (CityJSON) .xyz .pcd .bt .csv .urdf
-/// .cscene .ctiles in this process; files of any other ending, and foreign ones, by the converter process (collided-import).
+/// .cscene .ctiles in this process; files of any other ending, and foreign ones, by the converter process
+/// (collided-import).
 ///
-/// returns   the whole scene; of a file in tiles what options.within asks for
+/// returns   the whole scene; for a file in tiles the content of options.within
 /// throws    LoadError: nothing is loaded
 /// threads   any; it calls progress and cancelled on the calling thread
 Scene load_scene(const std::string& path, const LoadOptions& options, LoadReport& report);
 
-/// Whether a file of this name is read in this process and not by the converter, by its ending.
+/// True if a file with this ending is read in this process and not by the converter.
 bool is_read_here(const std::string& path);
 
-/// The small scene that a server without an argument serves: a floor, four walls, shelves and pallets.
+/// The small scene of a server without arguments: a floor, four walls, shelves and pallets.
 Scene embedded_scene();
 
 }  // namespace collided::engine

@@ -14,14 +14,14 @@ namespace collided::engine {
 struct StreamedMesh {
   std::string name;
   std::vector<Part> parts;
-  std::unique_ptr<MeshSource> mesh;  // placed as the options say
+  std::unique_ptr<MeshSource> mesh;  // placed by the options
 };
 
-/// Opens a file to be read piece by piece, in far less memory than its mesh takes: a binary PLY file of triangles. The
-/// mesh is what load_scene gives, but equal vertices and triangles are not looked for. options.max_file_bytes and
-/// max_triangles do not count.
+/// Opens a binary PLY file of triangles to be read piece by piece, in far less memory than its mesh takes. The mesh is
+/// that of load_scene, without a search for equal vertices and triangles. options.max_file_bytes and max_triangles are
+/// ignored.
 ///
-/// returns   nothing where the file or the options need all of it in memory
+/// returns   nothing if the file or the options need all of it in memory
 /// throws    LoadError
 std::optional<StreamedMesh> stream_mesh(const std::string& path, const LoadOptions& options, LoadReport& report);
 

@@ -12,7 +12,7 @@ namespace collided::engine {
 namespace {
 
 constexpr std::uint32_t kMostCells = 256;      // along an axis
-constexpr std::int32_t kMostNumber = 1 << 26;  // of a cell: with 24 bits of the size a corner has 51
+constexpr std::int32_t kMostNumber = 1 << 26;  // largest cell number: with 24 bits of the size a corner has 51
 constexpr double kLeastCell_m = 0x1p-500;      // far from underflow, and no corner overflows
 constexpr double kLargestCell_m = 0x1p500;
 

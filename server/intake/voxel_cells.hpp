@@ -10,7 +10,7 @@
 
 namespace collided::engine {
 
-/// Cells of a regular grid that stands along the axes, as table Voxels of idl/scene.fbs has them.
+/// Cells of a regular axis-aligned grid, as in table Voxels of idl/scene.fbs.
 struct VoxelCells {
   double cell_m = 0;
   std::array<std::int32_t, 3> low{};    // the first cell's number along each axis
@@ -18,14 +18,14 @@ struct VoxelCells {
   std::span<const std::uint8_t> occupied;
 };
 
-/// What is wrong with cells from anyone; empty: nothing.
+/// The flaw of untrusted cells; empty if there is none.
 std::string flaw_of(const VoxelCells& cells);
 
-/// Of cells without a flaw: how many are occupied.
+/// Number of occupied cells; the cells must have no flaw.
 std::uint64_t occupied_count(const VoxelCells& cells);
 
-/// Adds boxes that hold the space of the occupied cells, each of one cell or of several that fill it: what a scan sees of a
-/// wall is a fourth to a tenth as many. All numbers are exact: no rounding parts neighbours.
+/// Adds boxes that cover the space of the occupied cells, each of one cell or of several that fill it: for a scanned
+/// wall a fourth to a tenth as many. All numbers are exact: no rounding separates neighbours.
 void add_boxes_of(const VoxelCells& cells, std::vector<Primitive>& boxes);
 
 }  // namespace collided::engine

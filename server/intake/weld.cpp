@@ -25,12 +25,12 @@ std::uint64_t hash_of(const TriangleCorners& corners) {
   return mixed(mixed(std::uint64_t{corners[0]} << 32 | corners[1]) + corners[2]);
 }
 
-/// A hash table with open addressing that holds only the numbers of things, which stay where they are.
+/// A hash table with open addressing that stores only the numbers of items, which stay where they are.
 class IndexTable {
  public:
   explicit IndexTable(std::size_t count) : slots_(std::bit_ceil(4 * count + 1), kFree) {}
 
-  /// The number of the first equal thing, which is `index` itself if there is none yet.
+  /// The number of the first equal item, which is `index` itself if there is none yet.
   template <class Equal>
   std::uint32_t find_or_add(std::uint64_t hash, std::uint32_t index, const Equal& equals) {
     const std::size_t mask = slots_.size() - 1;
@@ -47,7 +47,7 @@ class IndexTable {
   std::vector<std::uint32_t> slots_;
 };
 
-/// A set of hashes that may report others too: a bit field of 16 to 32 bits for each of `count` hashes.
+/// A set of hashes with false positives: a bit field of 16 to 32 bits for each of `count` hashes.
 class HashMarks {
  public:
   explicit HashMarks(std::size_t count)
@@ -62,13 +62,13 @@ class HashMarks {
   std::size_t mask_;
 };
 
-/// The things, in ascending order, whose hash may occur twice: all that have an equal, including the first of each, and
-/// at most about a tenth of the others. Where hardly anything is equal, as in most meshes, only these need a table; the
-/// marks take 2 to 4 bytes a thing.
+/// The items, in ascending order, whose hash may occur twice: all that have an equal, including the first of each, and
+/// at most about a tenth of the others. If hardly any are equal, as in most meshes, only these need a table; the marks
+/// take 2 to 4 bytes per item.
 /// source   Bloom, "Space/time trade-offs in hash coding with allowable errors", 1970, with one hash
 template <class HashOf>
 std::vector<std::uint32_t> likely_equal(std::uint32_t count, const HashOf& hash_of_thing) {
-  constexpr std::uint32_t kBlock = 64;  // whose marks are fetched together
+  constexpr std::uint32_t kBlock = 64;  // items whose marks are prefetched together
   std::vector<std::uint32_t> hashes(count);
   std::vector<std::uint32_t> met_again;
   HashMarks met(count);

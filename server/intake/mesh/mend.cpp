@@ -17,11 +17,11 @@
 namespace collided::engine {
 namespace {
 
-/// Rounds at most: cutting an edge can put a point beside another edge. Real files take three rounds; the limit makes
-/// sure that the loop ends.
+/// Most rounds: cutting an edge can put a point beside another edge. Real files take three rounds; the limit ensures
+/// that the loop ends.
 constexpr int kMostRounds = 8;
 
-/// What a round finds in the mesh as it is then.
+/// The findings of a round in the present mesh.
 struct SeamRound {
   std::vector<std::uint32_t> point_of;
   EdgeTable edges;
@@ -76,8 +76,8 @@ struct EdgeCut {
   std::array<std::vector<std::uint32_t>, 3> points;
 };
 
-/// Cuts a triangle into fans from the corner opposite to each side in turn, so that every piece has an area if the
-/// whole has one.
+/// Cuts a triangle into fans from the corner opposite each side in turn, so that every piece has an area if the whole
+/// has one.
 void cut_up(EdgeCut whole, std::vector<TriangleCorners>& pieces) {
   std::vector<EdgeCut> waiting{std::move(whole)};
   while (!waiting.empty()) {
@@ -230,7 +230,7 @@ MendedShared mend_shared(const SceneObject& object, double crack_m, MendReport& 
 
 std::vector<std::string> mend_objects(Scene& scene, double crack_m) {
   std::unordered_map<const TriangleMesh*, MendedShared> done;
-  std::vector<std::shared_ptr<const TriangleMesh>> came;  // kept, so that no new mesh gets the address of an old one
+  std::vector<std::shared_ptr<const TriangleMesh>> came;  // kept alive: no new mesh gets an old address
   std::vector<std::string> lines;
   std::size_t untouched_count = 0;
   for (SceneObject& object : scene.objects) {

@@ -100,7 +100,7 @@ MeshHealth examine(const TriangleMesh& mesh, double crack_m) {
 std::string unit_suspicion(const Aabb& bounds) {
   if (bounds.empty()) return {};
   const double size_m = (bounds.high - bounds.low).maxCoeff();
-  // A mesh far from the origin is taken for a survey in metres, which may well be large.
+  // A mesh far from the origin is assumed to be a survey in metres, which may well be large.
   const bool is_survey = bounds.low.cwiseMax(-bounds.high).maxCoeff() > 10 * size_m;
   constexpr double kLarge_m = 1000;
   constexpr double kSmall_m = 0.001;

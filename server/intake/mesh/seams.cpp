@@ -74,7 +74,7 @@ class SeamSearch {
 
   double allowed_m(std::uint32_t point) const { return std::min(reach_.crack_m, kCrackShare * shortest_m_[point]); }
 
-  /// The nearest other point and the nearest edge of the border, where they are near enough.
+  /// The nearest other point and the nearest edge of the border, if they are near enough.
   struct NearestSeam {
     Seam to_point{.kind = Seam::Kind::beside_point};
     Seam to_edge{.kind = Seam::Kind::beside_edge};
@@ -93,7 +93,7 @@ class SeamSearch {
       if (border.from == point || border.to == point) return;
       weigh_point(border, border.from, found);
       weigh_point(border, border.to, found);
-      if (border.opposite != point) weigh_edge(border, found);  // else it is a sliver triangle's own corner
+      if (border.opposite != point) weigh_edge(border, found);  // false: a sliver triangle's own corner
     });
     return found;
   }
@@ -137,8 +137,8 @@ class SeamSearch {
     return seams;
   }
 
-  /// The point's distance to the edge, where the nearest point of the edge is between its ends and clear of both.
-  /// Infinite elsewhere, and where the triangle is so flat that a move by that distance would turn it over.
+  /// The point's distance to the edge, if the nearest point of the edge is between its ends and clear of both. Infinite
+  /// elsewhere, and if the triangle is so flat that a move by that distance would turn it over.
   double gap_to_inside(const Border& border, std::uint32_t point) const {
     constexpr double kFar = std::numeric_limits<double>::infinity();
     const Vec3 along = at(border.to) - at(border.from);
@@ -156,9 +156,9 @@ class SeamSearch {
   const std::vector<std::uint32_t>& point_of_;
   SeamReach reach_;
   std::vector<Border> borders_;
-  std::vector<double> shortest_m_;     // of the edges at each point
+  std::vector<double> shortest_m_;     // among the edges at each point
   std::vector<std::uint32_t> points_;  // of the border, ascending
-  std::vector<NearestSeam> nearest_;   // of each
+  std::vector<NearestSeam> nearest_;   // for each of points_
   std::uint64_t test_count_ = 0;
 };
 

@@ -9,7 +9,7 @@
 
 namespace collided::engine {
 
-/// A place where two stretches of a mesh's border run along each other without sharing a point.
+/// A place at which two sections of a mesh's border run along each other without sharing a point.
 struct Seam {
   enum class Kind : std::uint8_t {
     t_vertex,     // the point lies on the edge, to kOnEdge roundings
@@ -23,31 +23,31 @@ struct Seam {
   double gap_m = 0;   // distance from the point to the edge or the other point
 };
 
-/// The distances at which seams are looked for.
+/// The distances in a search for seams.
 struct SeamReach {
   double on_edge_m = 0;  // a point this near to an edge counts as on it
   double crack_m = 0;    // the widest crack
   std::uint64_t max_tests = kMaxSeamTests;
 };
 
-/// The reach for a mesh with those bounds, from kOnEdge and kCrackReach; crack_m as given where it is not 0.
+/// The reach for a mesh with those bounds, from kOnEdge and kCrackReach; crack_m as given if it is not 0.
 SeamReach seam_reach(const TriangleMesh& mesh, const Aabb& bounds, double crack_m);
 
 /// The seams of a mesh.
 struct Seams {
   std::vector<Seam> list;
-  std::uint64_t unseen_count = 0;  // points of the border not examined, since max_tests was reached
+  std::uint64_t unseen_count = 0;  // points of the border not examined, because max_tests was reached
 };
 
 /// Finds every T-vertex and crack along the border, which is the edges of one triangle; ordered by point. Two points
-/// beside each other are reported once. A gap counts as a crack where it is at most crack_m, and at most kCrackShare of
+/// beside each other are reported once. A gap counts as a crack if it is at most crack_m, and at most kCrackShare of
 /// the shortest edge at the point (and at the other point; beside an edge also of its triangle's height): anything
 /// finer is taken for detail of the surface.
 ///
 /// table     with equal points joined and triangles without area left out
 /// point_of  that the table was made with
 /// error     gaps are exact to a few roundings of the largest coordinate
-/// cost      about 2 us an edge of one triangle; nothing where there is none
+/// cost      about 2 us per edge of one triangle; nothing if there is none
 Seams find_seams(const TriangleMesh& mesh, const EdgeTable& table, const std::vector<std::uint32_t>& point_of,
                  const SeamReach& reach, const Aabb& bounds);
 

@@ -9,7 +9,7 @@
 namespace collided::engine {
 namespace {
 
-/// Levels at most: each halves the cells of the one before. Cell numbers then fit 64 bits easily.
+/// Most levels: each halves the cells of the one before. Cell numbers then fit 64 bits easily.
 constexpr int kMostHalvings = 40;
 
 }  // namespace

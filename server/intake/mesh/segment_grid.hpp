@@ -20,11 +20,11 @@ struct MeshSegment {
 /// looks up one cell on each level.
 ///
 /// promise   finds every segment within reach, and others as well
-/// threads   immutable once made; any number of threads may ask
-/// cost      about 0.3 us a segment to make, one look-up a level for each point
+/// threads   immutable once made; any number of threads may query
+/// cost      about 0.3 us per segment to build, one look-up per level for each point
 class SegmentGrid {
  public:
-  /// bounds  of the segments; its diagonal is finite too
+  /// bounds  of the segments; its diagonal must be finite too
   SegmentGrid(std::span<const MeshSegment> segments, const Aabb& bounds, double reach_m);
 
   /// Calls visit(segment number) for every segment that may be within reach of the point, once each.
@@ -57,7 +57,7 @@ class SegmentGrid {
   Vec3 origin_;
   double reach_m_;
   std::vector<Level> levels_;
-  std::vector<std::uint32_t> starts_;  // of each bucket in entries_; a bucket is the low bits of a key
+  std::vector<std::uint32_t> starts_;  // start of each bucket in entries_; a bucket is the low bits of a key
   std::vector<Entry> entries_;
   std::size_t mask_ = 0;
 };

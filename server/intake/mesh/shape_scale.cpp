@@ -84,7 +84,7 @@ class Scaling {
     return l * factor_[0];
   }
   Vec3 halves(const Mat3& axes, const Vec3& half_m) {
-    // For a box along the axes each column has one entry that is not 0; it says which factor applies.
+    // For an axis-aligned box each column has one entry that is not 0, which selects the factor.
     const Vec3 own = even_ ? factor_ : Vec3(axes.cwiseAbs().transpose() * factor_);
     const Vec3 product = half_m.cwiseProduct(own);
     need(wire_contract::are_coordinates(product), "a length would exceed 1e290 m");

@@ -19,8 +19,8 @@ double float_step(double value) {
   return std::ldexp(1.0, std::ilogb(value) - (std::numeric_limits<float>::digits - 1));
 }
 
-/// The least power of two from which on floats are farther apart than kCoarseGrid_m: whether a coordinate is far is then
-/// one comparison, where its own step would cost two calls of the C library.
+/// The least power of two from which on floats are farther apart than kCoarseGrid_m: testing whether a coordinate is
+/// far then takes one comparison, instead of two calls of the C library for its own step.
 double least_far(double unit_m) {
   double value = std::numeric_limits<double>::min();
   while (value < std::numeric_limits<float>::max() && !(float_step(value) * unit_m > kCoarseGrid_m)) value *= 2;

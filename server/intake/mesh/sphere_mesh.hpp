@@ -4,7 +4,7 @@
 
 namespace collided::engine {
 
-/// A sphere around the origin of flat triangles between circles of latitude and longitude, normals outward.
+/// A sphere around the origin, of flat triangles between circles of latitude and longitude, normals outward.
 ///
 /// longitudes  slices around the z axis, at least 3
 /// latitudes   bands from pole to pole, at least 2; the bands at the poles are fans around one vertex
@@ -12,7 +12,7 @@ namespace collided::engine {
 ///             of the sphere, both poles and the seam shared
 /// error       the triangles lie inside the sphere, at most
 ///             radius_m (1 - cos(pi / (2 latitudes)) cos(pi / longitudes)) deep
-/// throws      std::invalid_argument for sizes or counts that make no sphere
+/// throws      std::invalid_argument for sizes or counts that do not form a sphere
 TriangleMesh latitude_longitude_sphere(double radius_m, unsigned longitudes, unsigned latitudes);
 
 /// Which way the triangles of a closed mesh face.

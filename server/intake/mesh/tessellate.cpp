@@ -27,8 +27,8 @@ struct GridCounts {
   double second;
 };
 
-/// The counts that are given, or else the least ones, increased until the bound is within the error, each time along
-/// the parameter that reduces the bound more.
+/// The given counts, or else the least ones, increased until the bound is within the error, each time along the
+/// parameter that reduces the bound more.
 template <class Bound>
 GridCounts counts_for(const Fineness& fineness, GridCounts least, const Bound& bound) {
   if (fineness.error_m == 0) {
@@ -65,7 +65,7 @@ double versine(double angle_rad) {
   return 2 * half * half;
 }
 
-/// How far inside a sphere of radius 1 the faces of its mesh lie at most.
+/// The greatest depth of the mesh's faces inside a sphere of radius 1.
 double unit_sphere_error(double slices, double bands) {
   return versine(pi / (2 * bands)) + std::cos(pi / (2 * bands)) * versine(pi / slices);
 }
@@ -77,7 +77,7 @@ GridCounts sphere_counts(const Fineness& fineness, double longest_m) {
   return counts;
 }
 
-/// Adds a ring of vertices about the axis, the first one at y = 0.
+/// Adds a ring of vertices around the axis, the first one at y = 0.
 void add_ring(double radius_m, double z, unsigned slices, TriangleMesh& mesh) {
   for (unsigned i = 0; i < slices; ++i) {
     const double angle = 2 * pi * i / slices;

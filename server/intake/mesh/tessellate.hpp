@@ -8,15 +8,15 @@
 
 namespace collided::engine {
 
-/// A curved surface as triangles. No point of the mesh is farther than off_by_m from the surface, and none of the
+/// A curved surface as triangles. No point of the mesh is farther than off_by_m from the surface, and no point of the
 /// surface farther than that from the mesh.
 struct Tessellation {
   TriangleMesh mesh;
   double off_by_m = 0;
 };
 
-/// How finely to tessellate: by the numbers of pieces along the two parameters, or, with error_m above 0, by as many as
-/// keep the error below it.
+/// How finely to tessellate: the numbers of pieces along the two parameters, or, with error_m above 0, as many as keep
+/// the error below it.
 struct Fineness {
   unsigned first = 0;
   unsigned second = 0;
@@ -24,22 +24,22 @@ struct Fineness {
   std::uint64_t triangles_at_most = kMaxTessellationTriangles;
 };
 
-// The tessellate functions below. Surfaces are about the origin and the z axis. Closed surfaces make closed meshes,
-// with shared vertices at seams and poles and normals outward. off_by_m is a proved bound, which each function states,
-// plus the roundings of the vertices. All throw std::invalid_argument for sizes that are not finite and above 0, for
-// fewer pieces than make a surface, and for too many triangles.
+// The tessellate functions below. Surfaces are centred on the origin and the z axis. Closed surfaces give closed
+// meshes, with shared vertices at seams and poles and normals outward. off_by_m is a proved bound, stated for each
+// function, plus the rounding of the vertices. All throw std::invalid_argument for sizes that are not finite and above
+// 0, for too few pieces to form a surface, and for too many triangles.
 
-/// first: slices round the axis, at least 3; second: bands from pole to pole, at least 2.
+/// first: slices around the axis, at least 3; second: bands from pole to pole, at least 2.
 /// bound  the deepest point of a face, r (1 - cos(pi / (2 bands)) cos(pi / slices))
 Tessellation tessellate_sphere(double radius_m, const Fineness& fineness);
 /// bound  the sphere's, times the longest half axis
 Tessellation tessellate_ellipsoid(const Vec3& half_m, const Fineness& fineness);
-/// With both end discs. first: slices round the axis; second has no meaning.
+/// With both end discs. first: slices around the axis; second is ignored.
 /// bound  the sagitta r (1 - cos(pi / slices))
 Tessellation tessellate_cylinder(double radius_m, double length_m, const Fineness& fineness);
-/// With its base, the apex up; else as the cylinder.
+/// With its base, the apex up; otherwise like the cylinder.
 Tessellation tessellate_cone(double radius_m, double height_m, const Fineness& fineness);
-/// first: slices round the axis; second: slices round the tube; at least 3 each.
+/// first: slices around the axis; second: slices around the tube; at least 3 each.
 /// bound  SecondDerivatives::chord_error
 Tessellation tessellate_torus(double ring_m, double tube_m, const Fineness& fineness);
 
@@ -75,7 +75,7 @@ struct SplinePatch {
 Tessellation tessellate_patch(const SplinePatch& patch, const Fineness& fineness);
 
 /// The surface z = height(x, y) over the rectangle from low to high, normals up. The error bound holds if `bounds` is
-/// true of the function, which is not checked.
+/// correct for the function, which is not checked.
 struct HeightFunction {
   std::function<double(double, double)> height;
   Eigen::Vector2d low;

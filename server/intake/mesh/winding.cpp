@@ -7,7 +7,7 @@
 namespace collided::engine {
 namespace {
 
-/// Sets of triangles that know of each triangle whether it is turned over relative to the one that represents its set.
+/// Sets of triangles that record for each triangle whether it is turned over relative to the set's representative.
 class ParitySets {
  public:
   explicit ParitySets(std::size_t count) : parents_(count), turned_(count, 0), contradicts_(count, 0) {
@@ -67,7 +67,7 @@ Orientation orientation_of(std::size_t triangle_count, const EdgeTable& table) {
   }
   Orientation result;
   if (all_agree) return result;
-  std::vector<std::int64_t> surplus(triangle_count, 0);  // by root: triangles that agree with it less those that do not
+  std::vector<std::int64_t> surplus(triangle_count, 0);  // by root: triangles that agree with it, minus the others
   for (std::uint32_t i = 0; i < triangle_count; ++i) {
     const auto [root, turned] = sets.find(i);
     surplus[root] += turned ? -1 : 1;
@@ -85,8 +85,8 @@ Orientation orientation_of(std::size_t triangle_count, const EdgeTable& table) {
 
 std::vector<std::uint32_t> pinched_points(const TriangleMesh& mesh, const EdgeTable& table,
                                           const std::vector<std::uint32_t>& point_of) {
-  // Sets of corners, which have the number of the half-edge that leaves them. Corners of triangles that share an edge
-  // at the point are joined, so a set is a fan.
+  // Sets of corners, with the number of the half-edge that leaves them. Corners of triangles that share an edge at the
+  // point are joined, so a set is a fan.
   DisjointSets fans(3 * mesh.triangles.size());
   const auto corner_at = [&](HalfEdge half, std::uint32_t point) {
     const std::uint32_t triangle = triangle_of(half);

@@ -7,7 +7,7 @@
 
 namespace collided::engine {
 
-/// Which triangles face the other way than the rest of their piece. Pieces are connected by edges of two triangles.
+/// Triangles that face the other way than the rest of their piece. Pieces are connected by edges of two triangles.
 struct Orientation {
   std::vector<std::uint32_t>
       flipped;  // ascending: the minority of each piece; of equal halves, the one without the first triangle
@@ -15,7 +15,7 @@ struct Orientation {
       0;  // pieces that cannot be oriented (a Moebius strip); none of their triangles is listed
 };
 
-/// Finds them.
+/// Finds these triangles.
 /// cost      practically linear in the number of edges
 Orientation orientation_of(std::size_t triangle_count, const EdgeTable& table);
 

@@ -17,7 +17,7 @@ struct PolygonCorner {
 };
 using Loop = std::vector<PolygonCorner>;
 
-/// The first two edges that cross, by the corners that they begin at.
+/// The first two edges that cross, by the corners at which they begin.
 std::optional<std::pair<std::size_t, std::size_t>> first_crossing(const Loop& loop) {
   for (std::size_t i = 0; i < loop.size(); ++i) {
     for (std::size_t k = i + 2; k < loop.size(); ++k) {
@@ -34,8 +34,8 @@ double share_along(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c
   return std::clamp(from / (from - to), 0.0, 1.0);
 }
 
-/// A new vertex half-way between two edges where they cross in projection. Nothing where they are too far apart in
-/// space, as in a bent polygon.
+/// A new vertex half-way between two edges where they cross in projection. Nothing if they are too far apart in space,
+/// as in a bent polygon.
 std::optional<PolygonCorner> crossing_point(const Loop& loop, std::size_t i, std::size_t k, double largest_gap,
                                             std::vector<Vec3>& vertices) {
   const PolygonCorner& a = loop[i];

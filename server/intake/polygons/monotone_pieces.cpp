@@ -134,8 +134,8 @@ void MonotonePieces::insert(std::uint32_t edge, std::uint32_t helper) {
   if (std::next(place) != edges_.end()) check(place, std::next(place));
 }
 
-/// The inside is above edges that run to the right. A point where two stretches of the inside merge gets a diagonal to
-/// the next point that is visible from it.
+/// The inside is above edges that run to the right. A point at which two intervals of the inside merge gets a diagonal
+/// to the next point that is visible from it.
 void MonotonePieces::join_if_merge(std::uint32_t point, std::uint32_t edge) {
   if (is_merge_[helper_[edge]]) diagonals_.push_back({point, helper_[edge]});
 }
@@ -194,7 +194,7 @@ void MonotonePieces::pass_start(std::uint32_t point, int side) {
   helper_[*below] = point;
 }
 
-/// Both edges at the point end there: the inside between them ends, or the two stretches around them merge.
+/// Both edges at the point end there: the inside between them ends, or the two intervals around them merge.
 void MonotonePieces::pass_end(std::uint32_t point, int side) {
   const std::uint32_t before = rings_.previous[point];
   join_if_merge(point, before);

@@ -20,27 +20,27 @@ struct PolygonRings {
   std::vector<std::uint32_t> previous;
 };
 
-/// Makes the rings, each with the inside to the left. Returns a flaw, by the numbers of the rings' points, where points
+/// Makes the rings, each with the inside to the left. Returns a flaw, by the numbers of the rings' points, if points
 /// coincide or a ring has no area.
 std::optional<PolygonFlaw> join_rings(std::span<const PlanePoint> points, std::span<const std::uint32_t> ring_ends,
                                       PolygonRings& rings);
 
 /// Finds diagonals that cut a polygon into monotone pieces: every line parallel to the y axis meets a piece in one
-/// stretch. A sweep line moves along x and keeps the edges that it crosses ordered from below.
+/// interval. A sweep line moves along x and keeps the edges that it crosses ordered from below.
 ///
-/// owner    the caller, who keeps the rings for as long
+/// owner    the caller, which must keep the rings
 /// threads  one at a time
 class MonotonePieces {
  public:
   explicit MonotonePieces(const PolygonRings& rings);
 
-  /// Runs the sweep. Returns a flaw where edges cross or touch; the diagonals are of no use then.
+  /// Runs the sweep. Returns a flaw if edges cross or touch; then the diagonals are unusable.
   std::optional<PolygonFlaw> find();
   /// As pairs of points.
   const std::vector<PolygonFlaw>& diagonals() const { return diagonals_; }
 
  private:
-  /// An edge has the number of the point that it begins at. The edges that the sweep line crosses, from below.
+  /// An edge has the number of the point at which it begins. The edges that the sweep line crosses, from below.
   struct IsBelow {
     MonotonePieces* pieces;
     bool operator()(std::uint32_t a, std::uint32_t b) const { return pieces->is_below(a, b); }
@@ -69,7 +69,7 @@ class MonotonePieces {
   Edges edges_;
   std::vector<Edges::iterator> place_;  // by edge
   std::vector<std::uint32_t> helper_;   // by edge: the last point passed from which it is visible below
-  std::vector<bool> is_merge_;          // by point: two edges end there and the inside goes on
+  std::vector<bool> is_merge_;          // by point: two edges end there and the inside continues
   std::vector<PolygonFlaw> diagonals_;
   std::optional<PolygonFlaw> flaw_;
 };

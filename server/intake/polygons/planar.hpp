@@ -12,12 +12,12 @@ namespace collided::engine {
 using PlanePoint = std::array<double, 2>;
 
 namespace filtered {
-/// As turn, by expansions: for what doubles do not decide.
+/// Same as turn(), by expansions: for signs that doubles do not decide.
 int exact_turn(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c);
 }  // namespace filtered
 
-/// Which way the path a, b, c turns: +1 to the left, -1 to the right, 0 not at all. Exact, except 0 where a product of
-/// two coordinates leaves the range of double.
+/// Which way the path a, b, c turns: +1 to the left, -1 to the right, 0 not at all. Exact, except 0 if a product of two
+/// coordinates leaves the range of double.
 /// source    Shewchuk, "Adaptive precision floating-point arithmetic and fast robust geometric predicates", 1997
 inline int turn(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c) {
   const double left = (a[0] - c[0]) * (b[1] - c[1]);

@@ -8,7 +8,7 @@
 
 namespace collided::engine {
 
-/// Counts of what had to be done to cut polygons into triangles, for the loading report.
+/// Counts of special cases in cutting polygons into triangles, for the loading report.
 struct PolygonCounts {
   std::uint64_t split_count = 0;       // polygons that cross themselves and were split there
   std::uint64_t guessed_count = 0;     // polygons that touch themselves or cross too often: cut by a guess
@@ -18,11 +18,11 @@ struct PolygonCounts {
 
   /// Counts a polygon of more than three corners if it is not flat.
   void measure(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices);
-  /// Counts a polygon that was cut by a guess. Where it crosses itself, replaces its triangles by a better guess.
+  /// Counts a polygon that was cut by a guess. If it crosses itself, replaces its triangles by a better guess.
   void split(std::span<const std::uint32_t> corners, std::vector<Vec3>& vertices, std::span<TriangleCorners> triangles);
   /// Adds the counts of another part of the file.
   void add(const PolygonCounts& more);
-  /// Puts sentences into the report.
+  /// Adds sentences to the report.
   void report(LoadReport& report) const;
 };
 

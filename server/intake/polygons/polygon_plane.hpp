@@ -15,7 +15,7 @@ namespace collided::engine {
 ///         1974
 std::vector<PlanePoint> flattened(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices);
 
-/// The same for several rings, one after the other; the normal of the first one counts.
+/// Projects several rings, one after the other, by the normal of the first one.
 std::vector<PlanePoint> flattened(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> ring_ends,
                                   const std::vector<Vec3>& vertices);
 

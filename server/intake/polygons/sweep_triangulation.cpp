@@ -7,9 +7,9 @@
 namespace collided::engine {
 namespace {
 
-/// The pieces that diagonals cut a polygon into. The directed edges that leave each point are sorted to the left, from
-/// the one to the ring's next point on. The piece to the left of an edge that arrives continues along the edge that is
-/// sorted before it.
+/// The pieces into which diagonals cut a polygon. The directed edges that leave each point are sorted to the left,
+/// starting with the one to the ring's next point. The piece to the left of an edge that arrives continues along the
+/// edge that is sorted before it.
 class Pieces {
  public:
   Pieces(const PolygonRings& rings, const std::vector<PolygonFlaw>& diagonals) : rings_(rings) {
@@ -94,7 +94,7 @@ class Pieces {
   std::vector<std::uint32_t> twin_;    // by motion: for a diagonal, the opposite direction
 };
 
-/// Cuts monotone pieces, which every line parallel to the y axis meets in one stretch, into triangles.
+/// Cuts monotone pieces, which every line parallel to the y axis meets in one interval, into triangles.
 class MonotoneCut {
  public:
   MonotoneCut(const PolygonRings& rings, std::vector<TriangleCorners>& triangles)

@@ -18,10 +18,10 @@ using PolygonFlaw = std::pair<std::uint32_t, std::uint32_t>;
 /// kept, so a triangle of three corners on one line has no area.
 ///
 /// points     the outer ring's, then those of the holes, each in either direction
-/// ring_ends  where in the points each ring ends
-/// returns    nothing: done. A flaw, and no triangles, where an edge or corner touches another one, a ring has no area,
-///            or a hole is not inside
-/// cost       O(n log n): about 3 us a corner for a million
+/// ring_ends  index in the points at which each ring ends
+/// returns    nothing: done. A flaw, and no triangles, if an edge or corner touches another one, a ring has no area, or
+///            a hole is not inside
+/// cost       O(n log n): about 3 us per corner for a million
 /// source     monotone pieces by a sweep: Lee, Preparata, "Location of a point in a planar subdivision", 1977; Garey,
 ///            Johnson, Preparata, Tarjan, "Triangulating a simple polygon", 1978; crossings: Shamos, Hoey, "Geometric
 ///            intersection problems", 1976. Every sign is exact (planar.hpp).

@@ -30,7 +30,7 @@ bool is_convex(const std::vector<PlanePoint>& points) {
   return swings <= 2;
 }
 
-/// Cuts a polygon into triangles by clipping ears; holds what is left of it as a ring of corners.
+/// Cuts a polygon into triangles by clipping ears; holds the remaining polygon as a ring of corners.
 class EarClipper {
  public:
   EarClipper(std::span<const std::uint32_t> corners, std::vector<PlanePoint> points)
@@ -45,7 +45,7 @@ class EarClipper {
     }
   }
 
-  /// Appends the triangles. True where each one was an ear; false where some had to be guessed.
+  /// Appends the triangles. True if each one was an ear; false if some had to be guessed.
   bool clip(std::vector<TriangleCorners>& triangles) {
     bool all_ears = true;
     std::size_t at = 0;
@@ -63,7 +63,7 @@ class EarClipper {
       std::erase(reflex_, at);
       drop_if_convex(previous_[at]);
       drop_if_convex(next_[at]);
-      at = next_[next_[at]];  // skips the neighbour: going round evenly makes fewer slivers
+      at = next_[next_[at]];  // skips the neighbour: going around evenly makes fewer slivers
       tried = 0;
       --left;
     }
@@ -109,7 +109,7 @@ class EarClipper {
   std::vector<std::size_t> reflex_;
 };
 
-/// Polygons of more corners are cut by the sweep; up to here ears cost less.
+/// Polygons of more corners are cut by the sweep; up to here ears are cheaper.
 constexpr std::size_t kEarCorners = 100;
 
 bool cut_by_sweep(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> ring_ends,

@@ -8,7 +8,7 @@
 
 namespace collided::engine {
 
-/// What a polygon is, and how it was cut.
+/// The kind of a polygon, and how it was cut.
 enum class PolygonKind {
   convex,    // cut as a fan from its first corner
   concave,   // cut by clipping ears; many corners by a sweep
@@ -25,11 +25,11 @@ enum class PolygonKind {
 PolygonKind triangulate(std::span<const std::uint32_t> corners, const std::vector<Vec3>& vertices,
                         std::vector<TriangleCorners>& triangles);
 
-/// The same for a polygon with h holes: n + 2 h - 2 triangles with the outer ring's orientation.
+/// Cuts a polygon with h holes into n + 2 h - 2 triangles with the outer ring's orientation.
 ///
 /// corners    ring by ring, the outer one first, each in either direction
-/// ring_ends  where in the corners each ring ends
-/// returns    `crossing` where rings cross, touch or lie outside; then nothing was cut
+/// ring_ends  index in the corners at which each ring ends
+/// returns    `crossing` if rings cross, touch or lie outside; then nothing was cut
 PolygonKind triangulate_with_holes(std::span<const std::uint32_t> corners, std::span<const std::uint32_t> ring_ends,
                                    const std::vector<Vec3>& vertices, std::vector<TriangleCorners>& triangles);
 

@@ -21,22 +21,22 @@
 #include "server/intake/voxel_cells.hpp"
 #include "server/intake/scene.hpp"
 
-// Decodes tables of idl/scene.fbs, from anyone, to values.
+// Decodes untrusted tables of idl/scene.fbs to values.
 namespace collided::engine {
 
-/// Points of a hull at most: each test of a hull goes through all of its corners.
+/// Most points of a hull: each test of a hull goes through all of its corners.
 inline constexpr std::size_t kMaxHullPoints = 4096;
 
 /// Normals of half-spaces have lengths from this to its inverse, so that their squares and products stay well within
 /// the range of double.
 inline constexpr double kLeastNormal = 1e-30;
 
-/// What is wrong with a buffer. It is thrown, and the caller adds the file name and the consequence.
+/// The flaw of a buffer. It is thrown, and the caller adds the file name and the consequence.
 struct Flaw {
   std::string what;
 };
 
-/// The filter that a table has, or the one of objects that have none.
+/// The filter of a table, or the default one if it has none.
 inline Filter filter_of(const format::Filter* from) {
   return from == nullptr ? Filter{} : Filter{from->layers(), from->mask(), from->group()};
 }
@@ -56,13 +56,14 @@ CutTriangles cut_of(const Table& from, const char* kind, std::uint64_t triangle_
   return {std::make_shared<const std::vector<std::uint32_t>>(std::move(pieces))};
 }
 
-/// Turns the tables of a verified buffer into values and checks their meaning. Every function throws a Flaw where
-/// something does not hold.
+/// Turns the tables of a verified buffer into values and checks their meaning. Every function throws a Flaw if
+/// something is invalid.
 /// threads  one at a time
 class SceneDecoder {
  public:
   /// byte_budget  the buffer's size, which bounds the memory that the values take. A proper buffer stores each number
-  ///              once; one in which many tables share a mesh could otherwise make the decoder allocate any amount.
+  ///              once; a buffer in which many tables share a mesh could otherwise make the decoder allocate any
+  ///              amount.
   SceneDecoder(std::uint64_t byte_budget, std::uint64_t max_triangles, std::uint64_t max_primitives)
       : byte_budget_(byte_budget), triangle_budget_(max_triangles), primitive_budget_(max_primitives) {}
 
@@ -122,7 +123,7 @@ class SceneDecoder {
     return point;
   }
 
-  /// A quaternion of norm 1 within kUnitNormSlack, normalized where it is off by more than roundings.
+  /// A quaternion of norm 1 within kUnitNormSlack, normalized if it is off by more than rounding.
   static Quat rotation(const format::Quat& from, std::string_view what) {
     Quat rotation(from.w(), from.x(), from.y(), from.z());
     const double norm = rotation.norm();
@@ -135,7 +136,7 @@ class SceneDecoder {
   }
 
  private:
-  // What a buffer asks for is taken off the budgets before memory is allocated for it.
+  // The needs of a buffer are taken off the budgets before memory is allocated.
   void spend_triangles(std::uint64_t count) {
     if (count > triangle_budget_) {
       throw Flaw{fmt::format("{} triangles, {} more are allowed", count, triangle_budget_)};
@@ -161,7 +162,8 @@ class SceneDecoder {
     return format::copied<Struct>(vector);
   }
 
-  /// Adds what make(struct) returns for each struct. The text of a flaw begins with the kind and the number of the struct.
+  /// Adds the result of make(struct) for each struct. The text of a flaw begins with the kind and the number of the
+  /// struct.
   template <class Struct, class Make>
   static void each(const char* kind, const std::vector<Struct>& structs, Shape& shape, const Make& make) {
     for (std::size_t i = 0; i < structs.size(); ++i) {
@@ -337,7 +339,7 @@ class SceneDecoder {
     shape.mesh = known;
   }
 
-  /// Vertex buffers; at most one of them may make a surface.
+  /// Vertex buffers; at most one of them may form a surface.
   void add_buffers(const format::Shape& from, Shape& shape) {
     for (std::uint32_t i = 0; from.buffers() != nullptr && i < from.buffers()->size(); ++i) {
       const format::VertexBuffer& buffer = *from.buffers()->Get(i);
@@ -375,7 +377,7 @@ class SceneDecoder {
                              .occupied = std::span(one.occupied()->data(), one.occupied()->size())};
       const std::string name = fmt::format("voxels {}: ", i);
       if (const std::string flaw = flaw_of(cells); !flaw.empty()) throw Flaw{name + flaw};
-      // Each box takes far more memory than its bit, so that bits do not count as the bytes that pay for it.
+      // Each box takes far more memory than its bit, so the bytes of the bits do not pay for it.
       spend_primitives(occupied_count(cells));
       add_boxes_of(cells, shape.primitives);
     }

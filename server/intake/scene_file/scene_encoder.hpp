@@ -96,7 +96,7 @@ class SceneEncoder {
   /// Makes a shape the root.
   void finish(flatbuffers::Offset<format::Shape> root) { builder_.Finish(root); }
 
-  /// For tables of other schemas that contain tables of this one.
+  /// Access for tables of other schemas that contain tables of this one.
   flatbuffers::FlatBufferBuilder& builder() { return builder_; }
 
   std::span<const std::byte> bytes() const {
@@ -127,10 +127,10 @@ class SceneEncoder {
   /// A shape's primitives by kind. Hulls are in the buffer already.
   struct Parts : format::ShapeT {
     std::vector<flatbuffers::Offset<format::Mesh>> hull_tables;
-    bool rotations_suffice = true;  // else boxes need box_axes
+    bool rotations_suffice = true;  // false: boxes need box_axes
   };
 
-  // A box is stored by its rotation, and by its axes too where the rotation does not give exactly the same bits.
+  // A box is stored by its rotation, and also by its axes if the rotation does not give exactly the same bits.
   void add(const Sphere& sphere, Parts& parts) { parts.spheres.emplace_back(packed(sphere.center), sphere.radius_m); }
   void add(const Capsule& c, Parts& parts) { parts.capsules.emplace_back(packed(c.a), packed(c.b), c.radius_m); }
   void add(const Cylinder& c, Parts& parts) { parts.cylinders.emplace_back(packed(c.a), packed(c.b), c.radius_m); }
@@ -147,7 +147,7 @@ class SceneEncoder {
     parts.box_axes.emplace_back(packed(box.axes));
   }
 
-  /// The objects' allowed pairs by their places in the file.
+  /// The objects' allowed pairs, by the objects' indexes in the file.
   flatbuffers::Offset<flatbuffers::Vector<std::uint32_t>> pair_numbers(const Scene& from) {
     if (!from.allowed_pairs || from.allowed_pairs->pairs().empty()) return 0;
     std::unordered_map<std::uint32_t, std::uint32_t> place_of;
@@ -160,7 +160,7 @@ class SceneEncoder {
     return builder_.CreateVector(numbers);
   }
 
-  // A vector that is left out where it is empty.
+  // A vector that is left out if it is empty.
   template <class Struct>
   flatbuffers::Offset<flatbuffers::Vector<const Struct*>> optional(const std::vector<Struct>& structs) {
     return structs.empty() ? 0 : builder_.CreateVectorOfStructs(structs);

@@ -156,7 +156,7 @@ Scene decode_scene(const format::Scene& from, std::uint64_t byte_budget, std::ui
   return scene;
 }
 
-/// The offset of the checksum in verified tables; nothing where they have none.
+/// The offset of the checksum in verified tables; nothing if they have none.
 std::optional<std::size_t> checksum_place(const std::uint8_t* data) {
   const std::uint8_t* at = flatbuffers::GetRoot<flatbuffers::Table>(data)->GetAddressOf(format::Scene::VT_CHECKSUM);
   return at == nullptr ? std::nullopt : std::optional(static_cast<std::size_t>(at - data));
@@ -170,8 +170,8 @@ std::uint64_t checksum_of(const std::uint8_t* data, std::size_t byte_count, std:
   return kIsChecksum | crc32_z(sum, data + after, byte_count - after);
 }
 
-/// Throws a Flaw where the format is unknown or the checksum does not match. Decoding would not notice a number that
-/// was changed into another valid one.
+/// Throws a Flaw if the format is unknown or the checksum does not match. Decoding would not notice a number that was
+/// changed into another valid one.
 void check_whole(const format::Scene& root, const std::uint8_t* data, std::size_t byte_count) {
   if (root.format() < 1 || root.format() > kSceneFormat) {
     throw Flaw{fmt::format("scene format {}, this program reads up to {}", root.format(), kSceneFormat)};
@@ -216,7 +216,7 @@ void seal_scene(std::span<std::byte> tables) {
 
 namespace {
 
-/// Saves a scene by put(pieces), which returns what went wrong, or an empty text.
+/// Saves a scene by put(pieces), which returns an error or an empty text.
 template <class Put>
 void save_scene_by(const std::string& name, const Scene& scene, const Put& put) {
   const auto fail = [&](const std::string& what) {

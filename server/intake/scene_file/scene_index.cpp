@@ -13,7 +13,7 @@ constexpr char kMagic[8] = {'C', 'S', 'C', 'N', 'I', 'D', 'X', '1'};
 constexpr std::uint32_t kByteOrder = 0x01020304;
 
 struct IndexEntry {
-  std::uint64_t mesh = 0;  // 0: the scene's, 1 + i: object i's
+  std::uint64_t mesh = 0;  // 0: the scene's mesh, 1 + i: object i's
   std::uint64_t first_byte = 0;
   std::uint64_t byte_count = 0;
 };
@@ -41,7 +41,7 @@ bool all_zero(std::span<const char> bytes) {
   return std::all_of(bytes.begin(), bytes.end(), [](char byte) { return byte == 0; });
 }
 
-/// Reads the last record. False where the file does not end in one that is consistent with it.
+/// Reads the last record. False if the file does not end in a consistent one.
 bool read_last(std::span<const char> file, LastRecord& last) {
   if (file.size() < sizeof(LastRecord)) return false;
   std::memcpy(&last, file.data() + file.size() - sizeof(LastRecord), sizeof(LastRecord));
@@ -101,8 +101,8 @@ bool attach_indexes(std::span<const char> file, const std::shared_ptr<const void
   LastRecord last;
   if (!read_last(file, last)) return true;
   const auto bytes = std::as_bytes(file);
-  // `told` is where the known bytes end; the padding between must be zero. Indexes must follow each other, so copies of
-  // them take no more memory than the file.
+  // `told` is the end of the known bytes; the padding between must be zero. Indexes must follow each other, so copies
+  // of them take no more memory than the file.
   std::uint64_t told = last.table_bytes;
   std::uint64_t after = 0;
   for (std::uint32_t i = 0; i < last.entry_count; ++i) {

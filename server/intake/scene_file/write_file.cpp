@@ -30,7 +30,7 @@ bool write_pieces(int file, std::span<const std::span<const std::byte>> pieces) 
   return ::fsync(file) == 0;
 }
 
-// A rename is on the disk only once its directory is.
+// A rename is on the disk only once its directory is synced.
 void sync_directory_of(const std::string& path) {
   const std::filesystem::path parent = std::filesystem::path(path).parent_path();
   const int directory = ::open(parent.empty() ? "." : parent.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);

@@ -6,8 +6,8 @@
 
 namespace collided::engine {
 
-/// A file that comes piece by piece, and is under its name only once it is complete and on the disk. It is first written
-/// beside the path; the destructor removes what is not in place.
+/// A file that is written piece by piece, and gets its name only once it is complete and on the disk. It is first
+/// written beside the path; the destructor removes it if unfinished.
 ///
 /// threads  one at a time
 class FileReplacement {
@@ -17,7 +17,7 @@ class FileReplacement {
   FileReplacement(const FileReplacement&) = delete;
   FileReplacement& operator=(const FileReplacement&) = delete;
 
-  /// Each returns what went wrong; empty: done. After a failure nothing more is done.
+  /// Each returns the error; empty: done. After a failure they do nothing.
   std::string append(std::span<const std::byte> bytes);
   std::string put_in_place();
 
@@ -28,14 +28,14 @@ class FileReplacement {
   int file_ = -1;
 };
 
-/// Replaces the file at the path, or creates it, completely or not at all: the new file is written beside it, brought
-/// to the disk and renamed.
+/// Replaces the file at the path, or creates it, completely or not at all: the new file is written beside it, synced to
+/// the disk and renamed.
 ///
 /// pieces    the bytes, one after the other
-/// returns   what went wrong; empty: done
+/// returns   the error; empty: done
 std::string replace_file(const std::string& path, std::span<const std::span<const std::byte>> pieces);
 
-/// Writes to an open file from its current position, and brings it to the disk. Returns as replace_file.
+/// Writes to an open file from its current position, and syncs it to the disk. Returns as replace_file.
 std::string write_file(int file, std::span<const std::span<const std::byte>> pieces);
 
 }  // namespace collided::engine

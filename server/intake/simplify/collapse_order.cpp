@@ -14,7 +14,7 @@ std::vector<std::uint32_t> removal_steps(const CollapseOrder& order, std::size_t
   return step_of;
 }
 
-/// The step in which the triangle vanishes, since two of its corners become equal; kStays: it never does.
+/// The step in which the triangle vanishes, since two of its corners become equal; kStays if it never does.
 std::uint32_t last_step(TriangleCorners corners, const CollapseOrder& order,
                         const std::vector<std::uint32_t>& step_of) {
   while (true) {
@@ -51,7 +51,7 @@ std::string flaw_of(const CollapseOrder& order, std::size_t vertex_count) {
 LevelTriangles level_after(const TriangleMesh& mesh, const CollapseOrder& order, std::size_t collapse_count) {
   std::vector<std::uint32_t> heir(mesh.vertices.size());
   for (std::uint32_t i = 0; i < heir.size(); ++i) heir[i] = i;
-  // Backwards, so that the vertex that finally takes the place of `kept` is known already.
+  // Backwards, so that the vertex that finally replaces `kept` is known already.
   for (std::size_t step = std::min(collapse_count, order.size()); step-- > 0;) {
     heir[order[step].removed] = heir[order[step].kept];
   }

@@ -23,11 +23,11 @@ using CollapseOrder = std::vector<EdgeCollapse>;
 /// A level of detail: triangles of the original by number, with their corners at that level.
 struct LevelTriangles {
   std::vector<TriangleCorners> triangles;
-  std::vector<std::uint32_t> originals;  // numbers in the original mesh, ascending; one a triangle
+  std::vector<std::uint32_t> originals;  // numbers in the original mesh, ascending; one per triangle
 };
 
-/// Why the steps cannot be taken on a mesh with that many vertices; empty: they can. Each vertex may go at most once,
-/// to one that has not gone itself.
+/// Why the steps cannot be applied to a mesh with that many vertices; empty: they can. Each vertex may be removed at
+/// most once, in favour of one that has not been removed itself.
 /// cost  O(steps)
 std::string flaw_of(const CollapseOrder& order, std::size_t vertex_count);
 

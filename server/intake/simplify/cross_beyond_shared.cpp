@@ -35,7 +35,7 @@ int axis_to_drop(const Points& plane) {
 
 PlanePoint seen_along(const Vec3& point, int axis) { return {point[(axis + 1) % 3], point[(axis + 2) % 3]}; }
 
-/// Whether all of the others lie strictly on the far side of the line ab from c. False where c is on the line.
+/// Whether all of the others lie strictly on the far side of the line ab from c. False if c is on the line.
 template <std::size_t count>
 bool parts(const PlanePoint& a, const PlanePoint& b, const PlanePoint& c, const std::array<PlanePoint, count>& others) {
   const int inside = turn(a, b, c);
@@ -102,7 +102,7 @@ bool share_nothing_and_meet(const Points& one, const Points& other) {
   if (!is_known(of_one)) return true;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3;
-    // Edges that lie in the other triangle's plane are left out: where one of them meets the other triangle, so does
+    // Edges that lie in the other triangle's plane are left out: if one of them meets the other triangle, so does
     // another edge of the two that crosses the plane, and that one is tested.
     if ((*of_one[i] != 0 || *of_one[j] != 0) && meets(one[i], one[j], *of_one[i], *of_one[j], other)) return true;
     if ((*of_other[i] != 0 || *of_other[j] != 0) && meets(other[i], other[j], *of_other[i], *of_other[j], one))
@@ -111,8 +111,8 @@ bool share_nothing_and_meet(const Points& one, const Points& other) {
   return false;
 }
 
-/// For triangles that share corner 0. What they have in common is convex, so if they have more in common than the
-/// corner, the edge opposite to it in one triangle meets the other.
+/// For triangles that share corner 0. Their common part is convex, so if it exceeds the corner, the edge opposite the
+/// corner in one triangle meets the other.
 bool share_corner_and_meet(const Points& one, const Points& other) {
   const OrientedPlane plane(one[0], one[1], one[2]);
   const std::optional<int> side_1 = plane.side(other[1]);

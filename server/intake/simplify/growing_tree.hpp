@@ -26,7 +26,7 @@ class GrowingTree {
   /// cost  a step up the tree for each box that has to grow
   void update(std::uint32_t triangle, const Aabb& bounds);
 
-  /// The triangle is no longer found.
+  /// Removes the triangle from later searches.
   void remove(std::uint32_t triangle) { own_boxes_[place_of_[triangle]] = Box{}; }
 
   /// An overlap that find() found: number asked_index of the boxes given, and a triangle.
@@ -40,7 +40,7 @@ class GrowingTree {
  private:
   static constexpr float kEndless = std::numeric_limits<float>::infinity();
 
-  /// A box relative to origin_, in floats rounded outward. From +inf to -inf where there is none: it overlaps nothing.
+  /// A box relative to origin_, in floats rounded outward. An empty box is from +inf to -inf: it overlaps nothing.
   struct Box {
     Eigen::Array3f low = Eigen::Array3f::Constant(kEndless);
     Eigen::Array3f high = Eigen::Array3f::Constant(-kEndless);
@@ -59,7 +59,7 @@ class GrowingTree {
 
   Vec3 origin_ = Vec3::Zero();
   std::uint32_t leaf_count_ = 0;         // a power of two
-  std::vector<std::uint32_t> order_;     // triangles, kLeafTriangles a leaf
+  std::vector<std::uint32_t> order_;     // triangles, kLeafTriangles per leaf
   std::vector<std::uint32_t> place_of_;  // by triangle: its index in order_
   std::vector<Box> own_boxes_;           // of the triangles, as in order_
   std::vector<Box> asked_;               // boxes given to find(); kept to reuse its memory

@@ -20,7 +20,7 @@ namespace {
 
 using UnitNormal = Eigen::Vector3f;
 
-/// Cosine of the largest angle by which a normal may turn, compared with the original mesh and in one step. Far enough
+/// Cosine of the largest angle by which a normal may turn, relative to the original mesh and in one step. Far enough
 /// above 0 that rounding normals to single precision cannot hide 90 degrees. No exact answer depends on it.
 constexpr float kLeastTurnCosine = 0.05f;
 
@@ -28,8 +28,8 @@ constexpr float kLeastTurnCosine = 0.05f;
 /// hardly move the surface, short edges go first, which keeps triangles from becoming slivers.
 constexpr double kShortEdgesFirst = 1e-6;
 
-/// Weight, relative to the surface's own planes, of the planes across the surface along its border, which keep the
-/// border's outline.
+/// Weight, relative to the surface's own planes, of the planes perpendicular to the surface along its border, which
+/// keep the border's outline.
 constexpr double kBorderWeight = 1;
 
 UnitNormal unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
@@ -39,13 +39,13 @@ UnitNormal unit_normal(const Vec3& a, const Vec3& b, const Vec3& c) {
 }
 
 /// Rounds a cost down to one of two steps for each power of two. Among equal costs the vertex number decides, which
-/// follows the surface in space: so the next collapse is mostly near the last one, and its data is still in the cache.
+/// follows the surface in space: so the next collapse is usually near the last one, and its data is still in the cache.
 float in_steps(double cost) {
   return std::bit_cast<float>(std::bit_cast<std::uint32_t>(static_cast<float>(cost)) & 0xffc00000);
 }
 
-/// A vertex and a lower bound on the cost of removing it. Where the cost has risen since, that is noticed when the
-/// offer comes first in the queue.
+/// A vertex and a lower bound on the cost of removing it. If the cost has risen since, that is noticed when the offer
+/// reaches the front of the queue.
 struct Offer {
   float cost;
   std::uint32_t vertex;
@@ -128,8 +128,8 @@ class Simplifier {
     }
   }
 
-  /// Quadrics of the triangles' planes, weighted by area, and of planes across the surface along its border. They are
-  /// relative to a point of the mesh, so that coordinates far from 0 cost the distances no digits.
+  /// Quadrics of the triangles' planes, weighted by area, and of planes perpendicular to the surface along its border.
+  /// They are relative to a point of the mesh, so that coordinates far from 0 cost the distances no digits.
   void find_quadrics(const TriangleMesh& mesh) {
     quadrics_.resize(mesh.vertices.size());
     weights_.resize(mesh.vertices.size(), 0);
@@ -229,7 +229,7 @@ class Simplifier {
     return a.cost != b.cost ? a.cost < b.cost : a.kept.vertex < b.kept.vertex;
   }
 
-  /// Tries the vertex's next target. Where a guard refuses it, the target after it is offered at its own cost.
+  /// Tries the vertex's next target. If a guard refuses it, the target after it is offered at its own cost.
   void take(const Offer& offered, CollapseOrder& order) {
     const std::uint32_t vertex = offered.vertex;
     find_targets(vertex, ring_);
@@ -248,7 +248,7 @@ class Simplifier {
     push(vertex, is_last ? kNever : in_steps(targets_[at + 1].cost));
   }
 
-  /// Whether all guards allow merging the vertex into `kept`. ring_ and neighbours_ must be those of the vertex.
+  /// True if all guards allow merging the vertex into `kept`. ring_ and neighbours_ must be those of the vertex.
   bool is_allowed(std::uint32_t vertex, const Neighbour& kept) {
     // An unlocked vertex has triangles of one part only, and each part's last triangle stays.
     const bool empties_part = left_in_part_[part_of_[ring_.front()]] <= kept.triangle_count;
@@ -291,7 +291,7 @@ class Simplifier {
       const UnitNormal after = normal_of(moved.corners);
       const UnitNormal before = normal_of(surface_.corners()[moved.triangle]);
       const UnitNormal& first = normals_[moved.triangle];
-      // A triangle that has no area has no normal that could turn, but no triangle may lose its area.
+      // A triangle without area has no normal that could turn, but no triangle may lose its area.
       if (after.isZero(0)) return true;
       if (!first.isZero(0) && !(after.dot(first) > kLeastTurnCosine)) return true;
       if (!before.isZero(0) && !(after.dot(before) > kLeastTurnCosine)) return true;
@@ -299,7 +299,8 @@ class Simplifier {
     return false;
   }
 
-  /// Whether one of the moved triangles would meet another one, or one of the other triangles, beyond what they share.
+  /// Whether one of the moved triangles would meet another one, or one of the other triangles, beyond their shared
+  /// part.
   bool crosses() {
     const std::vector<Vec3>& vertices = surface_.vertices();
     moved_sides_.clear();
@@ -357,8 +358,8 @@ class Simplifier {
   GrowingTree tree_;
   std::size_t rebuild_at_ = 0;
   Vec3 origin_ = Vec3::Zero();
-  std::vector<UnitNormal> normals_;  // of the triangles as they were in the mesh
-  std::vector<Quadric> quadrics_;    // by vertex, about the origin
+  std::vector<UnitNormal> normals_;  // of the triangles in the original mesh
+  std::vector<Quadric> quadrics_;    // by vertex, relative to the origin
   std::vector<double> weights_;      // by vertex: sum of the weights in its quadric
   std::priority_queue<Offer> offers_;
   static constexpr float kNever = std::numeric_limits<float>::infinity();
@@ -368,14 +369,14 @@ class Simplifier {
   std::vector<std::uint32_t> is_in_ring_;  // by triangle: the last stamp
   std::uint32_t ring_stamp_ = 0;
 
-  // For the vertex being tried; kept to reuse their memory.
+  // State of the current vertex; kept to reuse the memory.
   std::vector<std::uint32_t> ring_;
   std::vector<Neighbour> neighbours_;
   std::vector<Neighbour> changed_;
   std::vector<CollapseTarget> targets_;
   std::vector<MovedVertex> moved_;
-  std::vector<TriangleSides> moved_sides_;  // of those
-  std::vector<Aabb> moved_bounds_;          // and theirs
+  std::vector<TriangleSides> moved_sides_;  // by moved triangle
+  std::vector<Aabb> moved_bounds_;          // of moved_
   std::vector<GrowingTree::Meeting> near_;
 };
 

@@ -19,7 +19,7 @@ class MeshSource {
 
   virtual std::uint64_t vertex_count() const = 0;
   virtual std::uint64_t triangle_count() const = 0;
-  /// A vertex by its number; cheap where it lies near those of the last calls.
+  /// A vertex by its number; cheap if it lies near those of the last calls.
   virtual Vec3 vertex(std::uint32_t number) = 0;
   /// Every triangle in turn, in pieces: visit(number of the first one, corners).
   virtual void visit_triangles(const std::function<void(std::uint32_t, std::span<const TriangleCorners>)>& visit) = 0;
@@ -29,7 +29,7 @@ class MeshSource {
   }
 };
 
-/// One that is in memory.
+/// A mesh in memory.
 class HeldMeshSource final : public MeshSource {
  public:
   explicit HeldMeshSource(const TriangleMesh& mesh) : mesh_(mesh) {}

@@ -23,7 +23,7 @@ constexpr std::size_t kPieceRows = 0x10000;  // faces that are read together
 
 bool is_scalar(const PlyProperty& property) { return !property.count_type; }
 
-/// The bytes before a row's property, where only numbers are before it.
+/// The bytes before a row's property, if only numbers precede it.
 std::size_t offset_of(const PlyElement& element, int property) {
   std::size_t offset = 0;
   for (int i = 0; i < property; ++i) offset += byte_count(element.properties[static_cast<std::size_t>(i)].type);
@@ -48,7 +48,8 @@ std::unique_ptr<PlySource> PlySource::open(const Reading& reading, const PlyHead
   return source->check_rows(reading) ? std::move(source) : nullptr;
 }
 
-/// Vertices and then faces, each in rows of one length if all faces are triangles, and nothing else.
+/// True if the file has vertices and then faces, each in rows of one length if all faces are triangles, and nothing
+/// else.
 bool PlySource::has_layout(const PlyHeader& header, std::uint64_t file_bytes) {
   if (header.format == PlyFormat::text || header.elements.size() != 2) return false;
   order_ = header.format == PlyFormat::big_endian ? std::endian::big : std::endian::little;
@@ -77,7 +78,7 @@ bool PlySource::has_layout(const PlyHeader& header, std::uint64_t file_bytes) {
          faces_.count <= (file_bytes - faces_.first_byte) / faces_.row_bytes;
 }
 
-/// False where a face is no triangle.
+/// False if a face is not a triangle.
 bool PlySource::check_rows(const Reading& reading) {
   for (std::uint64_t i = 0; i < vertices_.count; ++i) {
     if (i % kPieceRows == 0)

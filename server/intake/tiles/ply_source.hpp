@@ -14,23 +14,23 @@
 
 namespace collided::engine {
 
-/// What becomes of a vertex once it is read: times the unit, then turned.
+/// Conversion of a vertex after reading: multiplied by the unit, then turned.
 struct VertexPlacing {
   double unit_m = 1;
   bool turns_y_up = false;  // (x, y, z) -> (x, -z, y)
 };
 
-/// The mesh of a binary PLY file, which stays where it is: a few pieces of it are in memory at a time. Its triangles and
-/// vertices are those that read_ply gives.
+/// The mesh of a binary PLY file, which stays on disk: a few pieces of it are in memory at a time. Its triangles and
+/// vertices are those of read_ply.
 ///
 /// threads  one at a time
 class PlySource final : public MeshSource {
  public:
-  /// Reads all rows once. Null where the file must be read as a whole: it is text, its faces are not all triangles, or it has
-  /// other lists or tables.
+  /// Reads all rows once. Null if the file must be read as a whole: it is text, its faces are not all triangles, or it
+  /// has other lists or tables.
   ///
-  /// path     of the file that the reading is of, of which the reading need have no more than the header
-  /// throws   LoadError as read_ply does: a number that is not finite, a vertex that is not there, a file cut short
+  /// path     of the file of the reading, which need contain no more than the header
+  /// throws   LoadError as read_ply does: a number that is not finite, a vertex that does not exist, a truncated file
   static std::unique_ptr<PlySource> open(const Reading& reading, const PlyHeader& header, const std::string& path,
                                          const VertexPlacing& placing);
   ~PlySource() override;
@@ -73,8 +73,8 @@ class PlySource final : public MeshSource {
   Table vertices_;
   Table faces_;
   std::array<Coordinate, 3> axes_{};
-  std::size_t count_offset_ = 0;     // of the list in a face's row
-  std::vector<VertexBlock> blocks_;  // a block has one place; another one of the same place replaces it
+  std::size_t count_offset_ = 0;     // offset of the list in a face's row
+  std::vector<VertexBlock> blocks_;  // direct-mapped: a block replaces another one at its place
 };
 
 }  // namespace collided::engine

@@ -18,7 +18,7 @@ ScratchFile::ScratchFile(const std::string& beside) : beside_(beside) {
   const std::string folder = parent.empty() ? "." : parent.string();
   number_ = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600);
   if (number_ < 0) {
-    // Some file systems have no files without a name.
+    // Some file systems do not support unnamed files.
     std::string pattern = folder + "/.collided-scratch-XXXXXX";
     number_ = ::mkostemp(pattern.data(), O_CLOEXEC);
     if (number_ < 0) fail("made");

@@ -77,7 +77,8 @@ void check_ascending(std::span<const std::uint32_t> numbers, std::uint64_t limit
   }
 }
 
-/// Reads the tables of contents, of which none may grow beyond the bytes that it comes in: tables may share their numbers.
+/// Reads the tables of contents, none of which may grow beyond the bytes from which it is read: tables may share their
+/// numbers.
 class TableDecoder {
  public:
   explicit TableDecoder(std::uint64_t byte_count) : byte_budget_(byte_count) {}

@@ -19,7 +19,7 @@
 namespace collided::engine {
 namespace {
 
-/// What a box needs of a tile file.
+/// The content of a tile file that a box needs.
 class Needed {
  public:
   Needed(const TileContents& table, const LoadOptions& options) : table_(table), within_(options.within) {
@@ -51,10 +51,10 @@ class Needed {
 
 struct HeldTriangle {
   std::uint32_t number = 0;   // in the whole mesh
-  TriangleCorners corners{};  // places among the vertices that were gathered
+  TriangleCorners corners{};  // indexes of the gathered vertices
 };
 
-/// Gathers what is needed of each tile; tiles may come in any order.
+/// Gathers the needed content of each tile; tiles may come in any order.
 class Gathering {
  public:
   Gathering(const TileContents& table, const Needed& needed) : table_(table), needed_(needed) {}
@@ -73,7 +73,7 @@ class Gathering {
 
   std::size_t triangle_count() const { return triangles_.size(); }
 
-  /// The mesh and the parts of what was gathered, in the order of the whole mesh.
+  /// Puts the gathered mesh and parts into the scene, in the order of the whole mesh.
   void put_into(Scene& scene) {
     std::ranges::sort(triangles_, {}, &HeldTriangle::number);
     const auto twice = std::ranges::adjacent_find(triangles_, {}, &HeldTriangle::number);
@@ -99,7 +99,7 @@ class Gathering {
     return places_[own];
   }
 
-  /// Each vertex once, in the order of their numbers. Returns the new place of each that was gathered.
+  /// Each vertex once, ordered by number. Returns the new index of each gathered one.
   std::vector<std::uint32_t> merge_vertices(std::vector<Vec3>& to) {
     std::vector<std::uint32_t> order(numbers_.size());
     std::iota(order.begin(), order.end(), 0U);
@@ -146,9 +146,9 @@ class Gathering {
   const Needed& needed_;
   std::vector<HeldTriangle> triangles_;
   std::vector<std::uint32_t>
-      numbers_;  // of the vertices, in the whole mesh; one that several tiles have is here as often
+      numbers_;  // numbers of the vertices in the whole mesh; repeated for vertices of several tiles
   std::vector<Vec3> vertices_;
-  std::vector<std::uint32_t> places_;  // of a tile's vertices among these
+  std::vector<std::uint32_t> places_;  // indexes of a tile's vertices among these
 };
 
 void refuse_placing(const LoadOptions& options) {
@@ -158,7 +158,7 @@ void refuse_placing(const LoadOptions& options) {
         "convert'"};
 }
 
-/// Under another name of the scene, all parts are named anew at once: a name must not depend on what is read.
+/// If the scene has another name, all parts are renamed at once: a name must not depend on what is read.
 void rename(const Reading& reading, TileContents& table) {
   if (reading.options.name.empty()) return;
   Scene all{.name = table.name};

@@ -14,13 +14,13 @@
 namespace collided::engine {
 namespace {
 
-/// Points that a sample has: some hundred for each of the tiles that a hundred million triangles make.
+/// Points of a sample: some hundred for each of the tiles of a hundred million triangles.
 constexpr std::size_t kSampledPoints = std::size_t{1} << 19;
 
 /// Cells are counted from the origin in whole numbers, which a double holds up to here.
 constexpr double kMostCells = 0x1p53;
 
-/// Half of the points are below it. Where that many lie in the lowest plane, the others are cut off.
+/// Half of the points are below it. If that many lie in the lowest plane, the others are cut off.
 double median_plane(std::span<Vec3> points, Eigen::Index axis, double low) {
   const auto middle = points.begin() + static_cast<std::ptrdiff_t>(points.size() / 2);
   std::ranges::nth_element(points, middle, {}, [axis](const Vec3& point) { return point[axis]; });
@@ -67,7 +67,7 @@ std::uint32_t CubeSplit::tile_of(const Vec3& point) const { return tiles_.at(cel
 void MedianSplit::see(const Vec3& point) {
   ++seen_;
   if (sample_.size() < kSampledPoints) return sample_.push_back(point);
-  // Vitter, "Random sampling with a reservoir", 1985: each point is in the sample with the same chance.
+  // Vitter, "Random sampling with a reservoir", 1985: each point is in the sample with equal probability.
   const std::uint64_t place = random_() % seen_;
   if (place < kSampledPoints) sample_[place] = point;
 }
@@ -88,7 +88,7 @@ std::uint32_t MedianSplit::split(std::span<Vec3> points, double points_each) {
   Aabb box;
   for (const Vec3& point : points) box.extend(point);
   Eigen::Index axis = 0;
-  // Halved, since the difference of two finite numbers may be none.
+  // Halved, since the difference of two finite numbers may overflow.
   const double side_m = (box.high / 2 - box.low / 2).maxCoeff(&axis);
   if (side_m == 0 || static_cast<double>(points.size()) * points_each <= static_cast<double>(most_points_)) {
     nodes_[number].lower = leaf_count_++;

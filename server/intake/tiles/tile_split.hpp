@@ -13,25 +13,25 @@
 
 namespace collided::engine {
 
-/// The point by which a triangle belongs to a tile.
+/// The point that decides to which tile a triangle belongs.
 inline Vec3 centroid(const Triangle& triangle) { return triangle.a / 3 + triangle.b / 3 + triangle.c / 3; }
 
-/// Says which tile a point belongs to. First it is shown all points, in any order that is the same each time, then it is
-/// finished, and then it can be asked.
+/// Assigns points to tiles. First pass it all points, in any order that is the same each time, then finish it, then
+/// query it.
 ///
 /// threads  one at a time
 class TileSplit {
  public:
   virtual ~TileSplit() = default;
   virtual void see(const Vec3& point) = 0;
-  /// throws  LoadError where there would be too many tiles
+  /// throws  LoadError if there would be too many tiles
   virtual void finish() = 0;
   /// At most kMostTiles, of which some may stay empty.
   virtual std::size_t tile_count() const = 0;
   virtual std::uint32_t tile_of(const Vec3& point) const = 0;
 };
 
-/// Cubes of one size, of which corners lie at whole multiples of it.
+/// Cubes of one size, with corners at whole multiples of it.
 class CubeSplit final : public TileSplit {
  public:
   explicit CubeSplit(double size_m) : size_m_(size_m) {}
@@ -47,14 +47,14 @@ class CubeSplit final : public TileSplit {
 
   double size_m_;
   std::map<Cell, std::uint32_t> tiles_;
-  Cell last_{};  // of the point seen last: mostly the next one is there too
+  Cell last_{};  // cell of the last point: the next one is usually there too
 };
 
-/// A k-d tree with about as many points in each leaf: split across the longest side where half of the points are on each
-/// side. Of many points it goes by a sample, which is the same each time.
+/// A k-d tree with about as many points in each leaf: split across the longest side at the median. For many points it
+/// uses a sample, which is the same each time.
 class MedianSplit final : public TileSplit {
  public:
-  /// most_points  in a tile, as nearly as a sample says
+  /// most_points  in a tile, as nearly as a sample allows
   explicit MedianSplit(std::size_t most_points) : most_points_(most_points) {}
 
   void see(const Vec3& point) override;
@@ -66,7 +66,7 @@ class MedianSplit final : public TileSplit {
   struct CutNode {
     double plane = 0;         // points below it are on the lower side
     std::int32_t axis = -1;   // -1: a leaf
-    std::uint32_t lower = 0;  // the node there, or the leaf's number
+    std::uint32_t lower = 0;  // its node, or the leaf's number
     std::uint32_t upper = 0;
   };
 

@@ -17,7 +17,7 @@
 namespace collided::engine {
 namespace {
 
-/// A triangle on its way into its tile.
+/// A triangle on its way to its tile.
 struct SortedTriangle {
   std::uint32_t number = 0;
   TriangleCorners corners{};
@@ -27,7 +27,7 @@ static_assert(sizeof(SortedTriangle) == 16);
 /// The triangles of all tiles in one scratch file, those of each tile together and in their order.
 class TriangleSort {
  public:
-  /// counts  of the triangles of each tile
+  /// counts  of the triangles in each tile
   TriangleSort(const std::string& beside, std::vector<std::uint64_t> counts)
       : file_(beside), counts_(std::move(counts)), ends_(counts_.size()), waiting_(counts_.size()) {
     std::uint64_t end = 0;
@@ -41,7 +41,7 @@ class TriangleSort {
     if (waiting_[tile].size() >= most_waiting_) flush(tile);
   }
 
-  /// The triangles of a tile. Once one was asked for, none may be added.
+  /// The triangles of a tile. After the first call, none may be added.
   std::vector<SortedTriangle> of_tile(std::size_t tile) {
     flush(tile);
     waiting_[tile] = {};
