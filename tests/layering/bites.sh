@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# check.sh, includes.py and header_weights.py find what they are there to find: each line below, added to a copy of the tree or taken from it,
-# is refused for its reason.
+# check.sh, includes.py, header_weights.py and english.py find what they are there to find: each line below, added to a
+# copy of the tree or taken from it, is refused for its reason.
 # usage: bites.sh REPOSITORY_ROOT
 set -euo pipefail
 cd "${1:?repository root}"
@@ -67,5 +67,31 @@ said=$(python3 "$copy/tests/layering/header_weights.py" "$copy" || true)
 for line in "${heavy[@]}"; do
   grep -F "${line%%: *}" <<<"$said" | grep -qF "${line#*: }" || { echo "not found: $line"; missed=$((missed + 1)); }
 done
-echo "$((${#expected[@]} + ${#dropped[@]} + ${#heavy[@]})) planted, $missed missed"
+# A sentence with a habit in a comment; the same words in a text or in backquotes are not one.
+spoken=()
+speak() { # FILE COMMENT HABIT
+  printf '%s\n' "$2" >>"$copy/$1"
+  spoken+=("$1"$'\t'"$3")
+}
+speak server/geometry/pose.cpp '// The pose is kept for whoever asks.' 'people for things'
+speak server/geometry/pose.cpp '// Of three poses the first counts.' 'Of or For as opener'
+speak server/geometry/aabb.cpp '/// The box is told to the grid.' 'speaking software'
+speak server/geometry/aabb.cpp '// Where the box is empty, the answer is no.' 'where for if'
+speak server/geometry/mesh.hpp '/// A mesh without triangles is no surface.' 'is no'
+speak server/geometry/ray.hpp 'struct Planted {};  // null: none; likewise' 'likewise'
+speak server/geometry/shape.hpp $'// The hull is built\n// anew for each shape.' 'anew'
+speak server/geometry/shapes.hpp '// What is kept is kept.' 'headless clause'
+cat >>"$copy/server/geometry/pose.cpp" <<'END'
+const char* const kSpoken = "nobody // says so anew";
+// `told` is a name, and there is no habit in "a user who asks".
+END
+said=$(python3 "$copy/tests/layering/english.py" "$copy" || true)
+for item in "${spoken[@]}"; do
+  grep -F "${item%%$'\t'*}" <<<"$said" | grep -qF ": ${item#*$'\t'}: " || { echo "not found: $item"; missed=$((missed + 1)); }
+done
+if grep -qE 'says so anew|is a name' <<<"$said"; then
+  echo "a text, or a name in backquotes, was refused"
+  missed=$((missed + 1))
+fi
+echo "$((${#expected[@]} + ${#dropped[@]} + ${#heavy[@]} + ${#spoken[@]})) planted, $missed missed"
 [[ $missed -eq 0 ]]
