@@ -1,6 +1,7 @@
 #include "client/cli/global_options.hpp"
 
 #include "client/cli/input/option.hpp"
+#include "idl/etcd_option.hpp"
 
 namespace collided::cli {
 
@@ -32,6 +33,7 @@ void declare_globals(CLI::App& app, Globals& globals) {
   option(app, "--shards MAP", globals.shards,
          "Shard map of a world on several servers, a file or etcd://HOST:PORT/KEY, in place of one; see help shards")
       ->group(connection);
+  option(app, std::string(etcd::kEtcdKeysFlag) + " DIR", globals.etcd_keys, etcd::kEtcdKeysHelp)->group(connection);
   option(app, "--wait", globals.wait, "At most so long for a server to answer hello (2s, and more on a busy machine)")
       ->group(connection);
   option(app, "--timeout", globals.timeout, "How long one answer may take")->group(connection);

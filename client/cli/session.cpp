@@ -4,6 +4,7 @@
 
 #include "client/cli/input/number.hpp"
 #include "client/cli/output/terminal_width.hpp"
+#include "idl/etcd_option.hpp"
 #include "idl/terminal_text.hpp"
 
 namespace collided::cli {
@@ -90,6 +91,7 @@ ConnectOptions connect_options(const Io& io, const Globals& globals) {
     if (which == "COLLIDED_NAMESPACE" && !globals.name_space.empty()) return globals.name_space;
     if (which == "COLLIDED_INTERFACE" && !globals.interface.empty()) return globals.interface;
     if (which == "COLLIDED_KEYS" && !globals.keys.empty()) return globals.keys;
+    if (which == etcd::kEtcdKeysVariable && !globals.etcd_keys.empty()) return globals.etcd_keys;
     return io.env(name);
   }));
   options.peers = globals.peers;

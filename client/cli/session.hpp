@@ -33,6 +33,7 @@ struct Globals {
   std::string interface;
   std::vector<std::string> peers;
   std::string keys;
+  std::string etcd_keys;
   std::string shards;  // a shard map: a file, or its address in etcd
   std::optional<std::chrono::nanoseconds> wait;
   std::optional<std::chrono::nanoseconds> timeout;

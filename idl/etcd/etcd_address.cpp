@@ -6,6 +6,9 @@
 namespace collided::etcd {
 namespace {
 
+constexpr std::string_view kPlain = "etcd://";
+constexpr std::string_view kWithTls = "etcds://";
+
 bool is_letter_or_digit(char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9'); }
 
 bool is_made_of(std::string_view text, std::string_view besides) {
@@ -32,14 +35,19 @@ std::optional<EtcdEndpoint> parse_endpoint(std::string_view text) {
 
 }  // namespace
 
-std::optional<EtcdAddress> parse_etcd_address(std::string_view text) {
-  constexpr std::string_view kScheme = "etcd://";
+bool is_in_etcd(std::string_view text) { return text.starts_with(kPlain) || text.starts_with(kWithTls); }
+
+std::optional<EtcdAddress> parse_etcd_address(std::string_view text, const std::string& keys_folder) {
   constexpr std::size_t kMostEndpoints = 16;
   constexpr std::size_t kMostKeyLetters = 200;
-  if (!text.starts_with(kScheme)) return std::nullopt;
-  text.remove_prefix(kScheme.size());
+  if (!is_in_etcd(text)) return std::nullopt;
+  const bool has_tls = text.starts_with(kWithTls);
+  text.remove_prefix(has_tls ? kWithTls.size() : kPlain.size());
   const std::size_t slash = std::min(text.find('/'), text.size());
-  EtcdAddress address{.endpoints = {}, .key = std::string(text.substr(std::min(slash + 1, text.size())))};
+  EtcdAddress address{.endpoints = {},
+                      .key = std::string(text.substr(std::min(slash + 1, text.size()))),
+                      .has_tls = has_tls,
+                      .keys_folder = keys_folder};
   const bool is_key = address.key.size() <= kMostKeyLetters && is_made_of(address.key, "_.-/") &&
                       !address.key.starts_with('/') && !address.key.ends_with('/');
   if (!is_key) return std::nullopt;

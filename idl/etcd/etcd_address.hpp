@@ -12,14 +12,19 @@ struct EtcdEndpoint {
   std::string port;
 };
 
-/// Where a cluster of etcd is, and below which key what is kept there stands.
+/// Where a cluster of etcd is, how it is reached, and below which key what is kept there stands.
 struct EtcdAddress {
   std::vector<EtcdEndpoint> endpoints;
-  std::string key;  // empty: none is named
+  std::string key;               // empty: none is named
+  bool has_tls = false;          // etcds://
+  std::string keys_folder = {};  // see EtcdKeys; empty: none
 };
 
-/// Reads etcd://HOST:PORT[,HOST:PORT...][/KEY]: at most 16 members, and a key of letters, digits and _ . - / that does
-/// not begin or end with '/'. Nothing: it is not like that.
-std::optional<EtcdAddress> parse_etcd_address(std::string_view text);
+/// Whether a text begins as an address of etcd does, and so names no file.
+bool is_in_etcd(std::string_view text);
+
+/// Reads etcd://HOST:PORT[,HOST:PORT...][/KEY], or etcds:// for TLS: at most 16 members, and a key of letters, digits and
+/// _ . - / that does not begin or end with '/'. Nothing: it is not like that.
+std::optional<EtcdAddress> parse_etcd_address(std::string_view text, const std::string& keys_folder = {});
 
 }  // namespace collided::etcd

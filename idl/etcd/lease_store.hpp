@@ -13,6 +13,12 @@ struct StoreError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
+/// The store does not serve this client, and will not at the next try: a certificate, a password or a permission. One
+/// sentence. Nothing was done.
+struct StoreRefused : StoreError {
+  using StoreError::StoreError;
+};
+
 /// What a transaction demands of a key; less compares bytes, and a key that is not there is neither equal nor less, nor of
 /// any revision.
 struct StoreCondition {

@@ -5,18 +5,15 @@
 
 namespace collided::shards {
 
-bool is_in_etcd(std::string_view source) { return source.starts_with("etcd://"); }
-
-KeptShardMap read_shard_map(const std::string& source, std::chrono::nanoseconds patience) {
+KeptShardMap read_shard_map(const std::string& source, const MapAccess& access) {
   if (!is_in_etcd(source)) return {.map = ShardMap::read(source)};
-  std::optional<KeptShardMap> kept = ShardMapStore(source, patience).read();
+  std::optional<KeptShardMap> kept = ShardMapStore(source, access).read();
   if (!kept) throw ShardMapError(source + ": etcd has no such key");
   return std::move(*kept);
 }
 
-KeptShardMap read_shard_map_with(const std::string& address, const std::string& shard,
-                                 std::chrono::nanoseconds patience) {
-  ShardMapStore store(address, patience);
+KeptShardMap read_shard_map_with(const std::string& address, const std::string& shard, const MapAccess& access) {
+  ShardMapStore store(address, access);
   std::optional<KeptShardMap> current = store.read();
   if (!current) throw ShardMapError(address + ": etcd has no such key");
   if (current->map.find(shard)) return std::move(*current);

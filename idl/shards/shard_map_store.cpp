@@ -18,16 +18,17 @@ using Clock = std::chrono::steady_clock;
 constexpr nanoseconds kTryAgain = std::chrono::milliseconds(100);
 constexpr nanoseconds kLongestTry = std::chrono::seconds(1);  // of one member
 
-etcd::EtcdAddress parsed(const std::string& address) {
-  const std::optional<etcd::EtcdAddress> read = etcd::parse_etcd_address(address);
+etcd::EtcdAddress parsed(const std::string& address, const std::string& keys = {}) {
+  const std::optional<etcd::EtcdAddress> read = etcd::parse_etcd_address(address, keys);
   if (!read || read->key.empty())
-    throw ShardMapError(address + ": the address of a shard map in etcd is etcd://HOST:PORT[,HOST:PORT...]/KEY");
+    throw ShardMapError(address +
+                        ": the address of a shard map in etcd is etcd://HOST:PORT[,HOST:PORT...]/KEY, or etcds://");
   return *read;
 }
 
-std::unique_ptr<etcd::LeaseStore> client_of(const std::string& address, nanoseconds patience) {
-  etcd::EtcdAddress read = parsed(address);
-  const nanoseconds each = patience / static_cast<std::int64_t>(read.endpoints.size());
+std::unique_ptr<etcd::LeaseStore> client_of(const std::string& address, const MapAccess& access) {
+  etcd::EtcdAddress read = parsed(address, access.etcd_keys);
+  const nanoseconds each = access.patience / static_cast<std::int64_t>(read.endpoints.size());
   try {
     return std::make_unique<etcd::EtcdClient>(std::move(read), std::min(each, kLongestTry).count());
   } catch (const ModuleMissing& missing) { throw ShardMapError(address + ": " + missing.what()); }
@@ -35,8 +36,8 @@ std::unique_ptr<etcd::LeaseStore> client_of(const std::string& address, nanoseco
 
 }  // namespace
 
-ShardMapStore::ShardMapStore(const std::string& address, nanoseconds patience)
-    : ShardMapStore(client_of(address, patience), parsed(address).key, address, patience) {}
+ShardMapStore::ShardMapStore(const std::string& address, const MapAccess& access)
+    : ShardMapStore(client_of(address, access), parsed(address).key, address, access.patience) {}
 
 ShardMapStore::ShardMapStore(std::unique_ptr<etcd::LeaseStore> store, std::string key, std::string address,
                              nanoseconds patience)
@@ -57,6 +58,8 @@ etcd::StoreResult ShardMapStore::ask(const etcd::StoreTransaction& transaction) 
   while (true) {
     try {
       return store_->transact(transaction);
+    } catch (const etcd::StoreRefused& refused) {
+      throw ShardMapError(address_ + ": " + refused.what() + ". No map was read or written");
     } catch (const etcd::StoreError& failed) {
       if (Clock::now() + kTryAgain > until) throw MapStoreAway(address_ + ": etcd does not answer: " + failed.what());
     }

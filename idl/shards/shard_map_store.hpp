@@ -17,6 +17,12 @@ struct MapStoreAway : ShardMapError {
   using ShardMapError::ShardMapError;
 };
 
+/// How etcd is asked.
+struct MapAccess {
+  std::string etcd_keys;                 // folder, see etcd::EtcdKeys; empty: none
+  std::chrono::nanoseconds patience{0};  // so long an etcd that does not answer is asked again
+};
+
 /// A map as it stands under a key.
 struct KeptShardMap {
   ShardMap map;
@@ -34,9 +40,9 @@ class ShardMapStore {
  public:
   enum class Which : std::uint8_t { current, next, before };
 
-  /// address  etcd://HOST:PORT[,HOST:PORT...]/KEY
+  /// address  etcd://HOST:PORT[,HOST:PORT...]/KEY, or etcds://
   /// throws   ShardMapError: it is no such address
-  ShardMapStore(const std::string& address, std::chrono::nanoseconds patience);
+  ShardMapStore(const std::string& address, const MapAccess& access);
   /// address  as messages have it
   ShardMapStore(std::unique_ptr<etcd::LeaseStore> store, std::string key, std::string address,
                 std::chrono::nanoseconds patience);

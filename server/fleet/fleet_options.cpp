@@ -4,6 +4,7 @@
 #include <cassert>
 #include <chrono>
 #include <cstddef>
+#include <filesystem>
 #include <iterator>
 #include <string_view>
 
@@ -62,6 +63,14 @@ Allowed take_shard_of_file(FleetOptions& fleet, Options& options, const std::str
   return std::nullopt;
 }
 
+/// Comes before the addresses that it is for.
+Allowed apply_etcd_keys(FleetOptions& fleet, Options&, const std::string& value) {
+  if (!value.empty() && !std::filesystem::is_directory(value))
+    return "a folder with ca.crt, tls.crt and tls.key, username and password";
+  fleet.etcd_keys = value;
+  return std::nullopt;
+}
+
 /// Comes after those above, whose namespace is then that of the shard.
 Allowed apply_shard(FleetOptions& fleet, Options& options, const std::string& value) {
   fleet.shard_map_address.clear();
@@ -100,9 +109,9 @@ Allowed apply_take_over_after(FleetOptions& fleet, Options&, const std::string& 
 Allowed apply_authority(FleetOptions& fleet, Options&, const std::string& value) {
   fleet.authority.reset();
   if (value.empty()) return std::nullopt;
-  fleet.authority = etcd::parse_etcd_address(value);
+  fleet.authority = etcd::parse_etcd_address(value, fleet.etcd_keys);
   if (fleet.authority) return std::nullopt;
-  return "etcd://HOST:PORT, up to 16 of them as HOST:PORT,HOST:PORT, then /KEY or nothing";
+  return "etcd://HOST:PORT or etcds://HOST:PORT, up to 16 of them as HOST:PORT,HOST:PORT, then /KEY or nothing";
 }
 
 Allowed apply_authority_mode(FleetOptions& fleet, Options&, const std::string& value) {
@@ -137,6 +146,7 @@ constexpr FleetSetting kFleetSettings[] = {
     {"server.standby_of", apply_standby_of},
     {"server.join", apply_join},
     {"server.replica_of", apply_replica_of},
+    {"server.etcd_keys", apply_etcd_keys},
     {"server.shard", apply_shard},
     {"server.take_over_after", apply_take_over_after},
     {"server.authority", apply_authority},
@@ -160,7 +170,8 @@ void find_shard(FleetOptions& fleet, Options& options) {
   if (fleet.shard_map_address.empty()) return;
   const std::string name = options.shard->name;
   try {
-    const shards::KeptShardMap kept = shards::read_shard_map_with(fleet.shard_map_address, name, kPatience);
+    const shards::KeptShardMap kept = shards::read_shard_map_with(
+        fleet.shard_map_address, name, {.etcd_keys = fleet.etcd_keys, .patience = kPatience});
     take_shard(fleet, options, kept.map, *kept.map.find(name));
   } catch (const shards::MapStoreAway& away) { throw CannotServeNow(away.what()); }
 }

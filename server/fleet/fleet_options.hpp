@@ -17,6 +17,7 @@ struct FleetOptions {
   std::string replica_of;         // namespace of the primary beside which this server answers questions; empty: none
   bool joins = false;             // it stands by where a primary is there, else it is the primary
   std::int64_t take_over_ns = 0;  // of a standby: a primary that is silent for so long is replaced; 0: never
+  std::string etcd_keys;          // folder for etcds://; empty: none
   std::string shard_map_address;  // the shard's map is in etcd: until find_shard() only the shard's name is known
   std::uint64_t shard_map = 0;    // of a shard: the map's fingerprint
   std::optional<etcd::EtcdAddress> authority{};  // that says who is the primary; none: each server for itself

@@ -4,9 +4,11 @@
 #include <sys/socket.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <chrono>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tests/service/child_process.hpp"
@@ -36,12 +38,17 @@ inline bool has_etcd() { return access("/usr/bin/etcd", X_OK) == 0; }
 /// A cluster of etcd on this machine, as an ordinary user's processes.
 class EtcdCluster {
  public:
-  EtcdCluster(int members, std::string folder) : folder_(std::move(folder)), ports_(free_ports(2 * members)) {
+  /// more  arguments of each member; with --cert-file their clients speak TLS
+  EtcdCluster(int members, std::string folder, std::vector<std::string> more = {})
+      : folder_(std::move(folder)),
+        more_(std::move(more)),
+        has_tls_(std::ranges::find(more_, "--cert-file") != more_.end()),
+        ports_(free_ports(2 * members)) {
     for (int i = 0; i < members; ++i) {
       all_ += (i == 0 ? "" : ",") + name(i) + "=" + peer_url(i);
-      address_ +=
-          (i == 0 ? "etcd://" : ",") + ("127.0.0.1:" + std::to_string(ports_.at(2 * static_cast<std::size_t>(i))));
+      address_ += (i == 0 ? (has_tls_ ? "etcds://" : "etcd://") : ",") + ("127.0.0.1:" + std::to_string(port(i)));
     }
+    members_.resize(static_cast<std::size_t>(members));
     for (int i = 0; i < members; ++i) start(i);
   }
   /// Whether all members serve.
@@ -61,40 +68,47 @@ class EtcdCluster {
     return found;
   }
 
+  /// Starts a member, again with what it has on disk where it was there before.
+  void start(int i) {
+    const std::string url = (has_tls_ ? "https://127.0.0.1:" : "http://127.0.0.1:") + std::to_string(port(i));
+    std::vector<std::string> words{"/usr/bin/etcd",
+                                   "--name",
+                                   name(i),
+                                   "--data-dir",
+                                   folder_ + "/etcd-" + name(i),
+                                   "--listen-client-urls",
+                                   url,
+                                   "--advertise-client-urls",
+                                   url,
+                                   "--listen-peer-urls",
+                                   peer_url(i),
+                                   "--initial-advertise-peer-urls",
+                                   peer_url(i),
+                                   "--initial-cluster",
+                                   all_,
+                                   "--heartbeat-interval",
+                                   "50",
+                                   "--election-timeout",
+                                   "500",
+                                   "--logger",
+                                   "zap",
+                                   "--log-outputs",
+                                   "stdout"};
+    words.insert(words.end(), more_.begin(), more_.end());
+    auto& member = members_[static_cast<std::size_t>(i)];
+    member.reset();
+    member = std::make_unique<ChildProcess>(words, folder_, "etcd-" + name(i));
+  }
+
  private:
   static std::string name(int i) { return "m" + std::to_string(i); }
+  int port(int i) const { return ports_.at(2 * static_cast<std::size_t>(i)); }
   std::string peer_url(int i) const {
     return "http://127.0.0.1:" + std::to_string(ports_.at(2 * static_cast<std::size_t>(i) + 1));
   }
-  void start(int i) {
-    const std::string url = "http://127.0.0.1:" + std::to_string(ports_.at(2 * static_cast<std::size_t>(i)));
-    members_.push_back(std::make_unique<ChildProcess>(std::vector<std::string>{"/usr/bin/etcd",
-                                                                               "--name",
-                                                                               name(i),
-                                                                               "--data-dir",
-                                                                               folder_ + "/etcd-" + name(i),
-                                                                               "--listen-client-urls",
-                                                                               url,
-                                                                               "--advertise-client-urls",
-                                                                               url,
-                                                                               "--listen-peer-urls",
-                                                                               peer_url(i),
-                                                                               "--initial-advertise-peer-urls",
-                                                                               peer_url(i),
-                                                                               "--initial-cluster",
-                                                                               all_,
-                                                                               "--heartbeat-interval",
-                                                                               "50",
-                                                                               "--election-timeout",
-                                                                               "500",
-                                                                               "--logger",
-                                                                               "zap",
-                                                                               "--log-outputs",
-                                                                               "stdout"},
-                                                      folder_, "etcd-" + name(i)));
-  }
-
   const std::string folder_;
+  const std::vector<std::string> more_;
+  const bool has_tls_;
   const std::vector<int> ports_;
   std::string all_;
   std::string address_;

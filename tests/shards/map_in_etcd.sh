@@ -1,9 +1,10 @@
 #!/usr/bin/env bash
-# The guide's commands of a shard map in etcd: published, asked by, planned and split there. map_in_etcd.sh COLLIDE COLLIDED
-# Exits 77 where etcd is not installed.
+# The guide's commands of a shard map in etcd: published, asked by, planned and split there. map_in_etcd.sh COLLIDE COLLIDED [tls]
+# tls: the same with certificates and a user, and the etcd is the servers' authority, too.
+# Exits 77 where etcd, or openssl, is not installed.
 set -euo pipefail
-collide=$1 collided=$2
-[[ -x /usr/bin/etcd ]] || exit 77
+collide=$1 collided=$2 how=${3:-plain}
+[[ -x /usr/bin/etcd && ($how == plain || -x /usr/bin/openssl) ]] || exit 77
 folder=$(mktemp -d)
 declare -A pids
 end() { for process in "${pids[@]}"; do kill "$process" 2>/dev/null || true; done; wait 2>/dev/null || true; rm -rf "$folder"; }
@@ -20,11 +21,49 @@ import socket
 sockets = [socket.socket() for _ in range(2)]
 for one in sockets: one.bind(("127.0.0.1", 0))
 print(*(one.getsockname()[1] for one in sockets))')
-url=http://127.0.0.1:$port
-/usr/bin/etcd --data-dir etcd --listen-client-urls "$url" --advertise-client-urls "$url" --listen-peer-urls "http://127.0.0.1:$peer" \
+url=http://127.0.0.1:$port scheme=etcd
+tls=()
+if [[ $how == tls ]]; then
+  url=https://127.0.0.1:$port scheme=etcds
+  mkdir keys
+  make_key() { openssl req "$@" -newkey ec -pkeyopt ec_paramgen_curve:prime256v1 -nodes -subj /O=collided 2>>openssl.txt; }
+  make_key -x509 -keyout ca.key -out keys/ca.crt
+  make_key -keyout keys/tls.key -out tls.csr
+  openssl x509 -req -in tls.csr -CA keys/ca.crt -CAkey ca.key -CAcreateserial -out keys/tls.crt 2>>openssl.txt \
+    -extfile <(printf 'subjectAltName=IP:127.0.0.1\nextendedKeyUsage=serverAuth,clientAuth\n')
+  tls=(--cert-file keys/tls.crt --key-file keys/tls.key --trusted-ca-file keys/ca.crt --client-cert-auth)
+fi
+/usr/bin/etcd "${tls[@]}" --data-dir etcd --listen-client-urls "$url" --advertise-client-urls "$url" --listen-peer-urls "http://127.0.0.1:$peer" \
   --initial-advertise-peer-urls "http://127.0.0.1:$peer" --initial-cluster "default=http://127.0.0.1:$peer" >etcd.log 2>etcd.err &
 pids[etcd]=$!
-map=etcd://127.0.0.1:$port/yard
+map=$scheme://127.0.0.1:$port/yard
+if [[ $how == tls ]]; then
+  python3 - "$url" <<'USERS'
+import json, ssl, sys, time, urllib.request
+context = ssl.create_default_context(cafile="keys/ca.crt")
+context.load_cert_chain("keys/tls.crt", "keys/tls.key")
+def post(path, **question):
+    body = json.dumps(question).encode()
+    return urllib.request.urlopen(f"{sys.argv[1]}/v3/auth/{path}", body, context=context, timeout=5).read()
+until = time.monotonic() + 30
+while True:  # it may still start
+    try: post("user/add", name="root", password="a secret"); break
+    except OSError:
+        if time.monotonic() > until: raise
+        time.sleep(0.1)
+post("user/grant", user="root", role="root")
+post("enable")
+USERS
+  code=0; "$collide" fleet publish --shards halves.json --to "$map" 2>refused.txt || code=$?
+  [[ $code -eq 2 ]] && grep -q "127.0.0.1:$port: its certificate is not accepted" refused.txt || fail "exit code $code: $(cat refused.txt)"
+  echo root >keys/username
+  echo "no secret" >keys/password
+  export COLLIDED_ETCD_KEYS=$folder/keys COLLIDED_AUTHORITY=$scheme://127.0.0.1:$port
+  code=0; "$collide" fleet publish --shards halves.json --to "$map" 2>refused.txt || code=$?
+  [[ $code -eq 2 ]] && grep -q "127.0.0.1:$port: user 'root' is refused with the password in $folder/keys. No map was read" refused.txt ||
+    fail "exit code $code: $(cat refused.txt)"
+  echo "a secret" >keys/password
+fi
 revision=$("$collide" fleet publish --shards halves.json --to "$map" --wait 30s --fields revision) || fail "the map is not published"
 
 # What is there stays, unless its revision is named.

@@ -41,14 +41,16 @@ class MapInEtcd : public testing_support::ShardedWorldTest {
     etcd_ = std::make_unique<EtcdCluster>(1, folder_.path());
     ASSERT_TRUE(etcd_->is_ready(30s)) << etcd_->member(0).output();
     map_file_ = etcd_->address() + "/plant/yard";
-    store_ = std::make_unique<ShardMapStore>(map_file_, 5s);
+    store_ = std::make_unique<ShardMapStore>(map_file_, shards::MapAccess{.etcd_keys = {}, .patience = 5s});
     ASSERT_TRUE(store_->write(halves_, 0));
   }
   void stop_etcd() {
     etcd_->member(0).signal(SIGKILL);
     etcd_->member(0).wait(5s);
   }
-  void put_next() { ASSERT_TRUE(ShardMapStore(map_file_ + "/next", 5s).write(thirds_, 0)); }
+  void put_next() {
+    ASSERT_TRUE(ShardMapStore(map_file_ + "/next", {.etcd_keys = {}, .patience = 5s}).write(thirds_, 0));
+  }
   /// A server that is not waited for.
   ChildProcess& begin(const std::string& shard, const std::string& source) {
     servers_.push_back(std::make_unique<ChildProcess>(

@@ -93,7 +93,7 @@ TEST_F(MapStoreTest, WhatIsNoMapIsRefusedWithKeyAndRevision) {
 
 TEST_F(MapStoreTest, AnAddressWithoutAKeyIsNone) {
   for (const char* bad : {"etcd://a:1", "etcd://a:1/", "etcd://a/yard", "map.json"})
-    EXPECT_THROW(ShardMapStore(bad, 1s), ShardMapError) << bad;
+    EXPECT_THROW(ShardMapStore(bad, {.etcd_keys = {}, .patience = 1s}), ShardMapError) << bad;
 }
 
 TEST_F(MapStoreTest, AStoreThatIsAwayIsAskedAgainForSomeTime) {

@@ -86,13 +86,11 @@ void EventPoster::run() {
 
 EventPoster::Delivery EventPoster::deliver(const std::string& body) {
   // A connection for each body: there are about ten posts a second, and a replaced receiver is found again.
-  http::HttpAnswer answer;
-  http_.post({.url = url_,
-              .body = body,
-              .patience_ns = std::chrono::nanoseconds(limits_.a_try).count(),
-              .is_web = true,
-              .is_over = [this] { return is_over(); }},
-             answer);
+  const http::HttpAnswer answer = http_.connect()->post({.url = url_,
+                                                         .body = body,
+                                                         .patience_ns = std::chrono::nanoseconds(limits_.a_try).count(),
+                                                         .is_web = true,
+                                                         .is_over = [this] { return is_over(); }});
   const bool is_answered = answer.problem.empty();
   if (is_answered && answer.status >= kOk && answer.status < kNotOk) return Delivery::done;
   const std::lock_guard lock(mutex_);

@@ -11,9 +11,13 @@ Error map_error(const shards::MapStoreAway& away) {
   return {ErrorCode::no_server, away.what(), "a file with the map will do, too"};
 }
 
+shards::MapAccess map_access(const ConnectOptions& options) {
+  return {.etcd_keys = options.etcd_keys, .patience = options.wait};
+}
+
 Result<shards::KeptShardMap> read_map(const std::string& source, const ConnectOptions& options) {
   try {
-    return shards::read_shard_map(source, options.wait);
+    return shards::read_shard_map(source, map_access(options));
   } catch (const shards::MapStoreAway& away) { return map_error(away); } catch (const shards::ShardMapError& wrong) {
     return map_error(wrong);
   }

@@ -11,6 +11,8 @@ namespace collided::client {
 Error map_error(const shards::ShardMapError& wrong);
 Error map_error(const shards::MapStoreAway& away);
 
+shards::MapAccess map_access(const ConnectOptions& options);
+
 /// The map of a source, a file or an address in etcd.
 ///
 /// options  whose `wait` is how long an etcd that does not answer is asked again

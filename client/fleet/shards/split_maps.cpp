@@ -33,13 +33,13 @@ KeptShardMap before_of(ShardMapStore& store, const std::string& source) {
 Result<SplitMaps> SplitMaps::read(const std::string& source, const std::string& next_source,
                                   const ConnectOptions& options) {
   try {
-    KeptShardMap now = shards::read_shard_map(source, options.wait);
+    KeptShardMap now = shards::read_shard_map(source, map_access(options));
     const bool is_in_etcd = shards::is_in_etcd(source);
     if (!is_in_etcd && next_source.empty()) return bad_input("a map in a file needs another one that comes next");
     std::unique_ptr<ShardMapStore> store;
-    if (is_in_etcd) store = std::make_unique<ShardMapStore>(source, options.wait);
+    if (is_in_etcd) store = std::make_unique<ShardMapStore>(source, map_access(options));
     KeptShardMap next =
-        next_source.empty() ? next_of(*store, source) : shards::read_shard_map(next_source, options.wait);
+        next_source.empty() ? next_of(*store, source) : shards::read_shard_map(next_source, map_access(options));
     const bool is_swapped = is_in_etcd && now.map.fingerprint() == next.map.fingerprint();
     if (is_swapped) now = before_of(*store, source);
     SplitMaps maps(source, std::move(now), std::move(next));

@@ -46,6 +46,8 @@ struct ConnectOptions {
   std::vector<std::string> peers = {};  // addresses of machines that multicast does not reach
   std::chrono::nanoseconds wait{2'000'000'000};  // for a server to answer; a busy one gets 10 s at least
   std::string keys = {};  // folder of keys made by `collide keys`, if the server uses keys; empty: none
+  /// For shard maps at etcds://: a folder with ca.crt, tls.crt and tls.key, username and password; each pair may be missing.
+  std::string etcd_keys = {};
 
   bool replicas = true;  // send questions to replicas of the server too; see AskOptions
   /// Never wait longer than `wait`. Otherwise a server on this machine gets more time if it is busy or the machine is
@@ -53,8 +55,8 @@ struct ConnectOptions {
   bool wait_is_limit = false;
 
   /// Reads the options as the command line does, from COLLIDED_DOMAIN (else ROS_DOMAIN_ID), COLLIDED_NAMESPACE,
-  /// COLLIDED_INTERFACE and COLLIDED_KEYS. Variables that are not set leave the defaults above. Error bad_input for an
-  /// invalid domain.
+  /// COLLIDED_INTERFACE, COLLIDED_KEYS and COLLIDED_ETCD_KEYS. Variables that are not set leave the defaults above. Error
+  /// bad_input for an invalid domain.
   ///
   /// variable  returns a variable's value, empty if it is not set; by default it reads the process's environment
   static Result<ConnectOptions> from_environment(const std::function<std::string(const char* name)>& variable = {});

@@ -118,7 +118,7 @@ struct ShardedClearanceAnswer : ClearanceAnswer {
 
 /// A client of a world on several servers. The shard map lists the shards and the space that each one serves; the
 /// servers are started with the same map (collided --shard MAP:NAME). It is a file, or a key in etcd:
-/// etcd://HOST:PORT[,HOST:PORT...]/KEY.
+/// etcd://HOST:PORT[,HOST:PORT...]/KEY, or etcds:// with TLS and ConnectOptions::etcd_keys.
 ///
 /// A question goes to the shards that it touches. Their answers are merged into the one that a single server with the
 /// whole world would give. An answer that a silent shard could change is undecided with not_covered, never a miss.

@@ -3,6 +3,7 @@
 
 #include "client/library/connection/errors.hpp"
 #include "collided/client.hpp"
+#include "idl/etcd_option.hpp"
 #include "idl/topics.hpp"
 
 namespace collided {
@@ -31,6 +32,7 @@ Result<ConnectOptions> ConnectOptions::from_environment(const std::function<std:
   if (const std::string name_space = of("COLLIDED_NAMESPACE"); !name_space.empty()) options.name_space = name_space;
   if (const std::string interface = of("COLLIDED_INTERFACE"); !interface.empty()) options.interface = interface;
   options.keys = of("COLLIDED_KEYS");
+  options.etcd_keys = of(etcd::kEtcdKeysVariable);
   return options;
 }
 

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <string_view>
 
+#include "idl/etcd_option.hpp"
 #include "idl/topics.hpp"
 #include "server/service/options/options.hpp"
 #include "server/service/options/quantities.hpp"
@@ -255,6 +256,7 @@ constexpr Setting kSettings[] = {
      "be a member of that namespace: stand by where a primary is there, else be the primary", false, nullptr},
     {"server.replica_of", "--replica-of", "COLLIDED_REPLICA_OF", "", "NAMESPACE",
      "be a replica of the primary of that namespace: hold the same world, answer questions beside it", false, nullptr},
+    {"server.etcd_keys", etcd::kEtcdKeysFlag, etcd::kEtcdKeysVariable, "", "DIR", etcd::kEtcdKeysHelp, false, nullptr},
     {"server.shard", "--shard", "COLLIDED_SHARD", "", "MAP:NAME",
      "be the shard of that name in a shard map, a file or etcd://HOST:PORT/KEY: hold what comes into its box", false,
      nullptr},

@@ -1,17 +1,10 @@
 // What speaks as etcd may answer anything, slowly, or nothing: the client returns in time, with an answer or a reason.
 #include <gtest/gtest.h>
 
-#include <arpa/inet.h>
-#include <netinet/in.h>
-#include <poll.h>
-#include <sys/socket.h>
-#include <unistd.h>
-
 #include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <cstdlib>
-#include <functional>
 #include <optional>
 #include <random>
 #include <string>
@@ -19,70 +12,16 @@
 #include <utility>
 
 #include "idl/etcd/etcd_client.hpp"
+#include "tests/unit/fleet/hostile_server.hpp"
 
 namespace collided::etcd {
 namespace {
 
 using namespace std::chrono_literals;
+using testing_support::HostileServer;
+using testing_support::http_answer;
 
 constexpr std::int64_t kEtcdPatienceNs = 200'000'000;
-
-std::string http_answer(const std::string& body, const std::string& status = "200 OK") {
-  return "HTTP/1.1 " + status + "\r\nContent-Type: application/json\r\nContent-Length: " + std::to_string(body.size()) +
-         "\r\n\r\n" + body;
-}
-
-/// A server on a free port of this machine that does with each connection as it is told.
-class HostileServer {
- public:
-  using Treat = std::function<void(int connection, const std::atomic<bool>& is_over)>;
-  explicit HostileServer(Treat treat) : treat_(std::move(treat)), listener_(socket(AF_INET, SOCK_STREAM, 0)) {
-    sockaddr_in address{};
-    address.sin_family = AF_INET;
-    address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
-    socklen_t size = sizeof address;
-    EXPECT_EQ(bind(listener_, reinterpret_cast<sockaddr*>(&address), size), 0);
-    EXPECT_EQ(listen(listener_, 8), 0);
-    EXPECT_EQ(getsockname(listener_, reinterpret_cast<sockaddr*>(&address), &size), 0);
-    endpoint_ = {.host = "127.0.0.1", .port = std::to_string(ntohs(address.sin_port))};
-    thread_ = std::thread([this] { run(); });
-  }
-  ~HostileServer() {
-    is_over_.store(true);
-    thread_.join();
-    close(listener_);
-  }
-  /// Sends that text to everybody who has asked, and closes.
-  static Treat says(const std::string& text) {
-    return [text](int connection, const std::atomic<bool>&) { send_all(connection, text); };
-  }
-  static bool send_all(int connection, const std::string& text) {
-    return send(connection, text.data(), text.size(), MSG_NOSIGNAL) == static_cast<ssize_t>(text.size());
-  }
-  const EtcdEndpoint& endpoint() const { return endpoint_; }
-  int asked() const { return asked_.load(); }
-
- private:
-  void run() {
-    while (!is_over_.load()) {
-      pollfd waiting{.fd = listener_, .events = POLLIN, .revents = 0};
-      if (poll(&waiting, 1, 10) <= 0) continue;
-      const int connection = accept(listener_, nullptr, nullptr);
-      ++asked_;
-      std::string question(65'536, '\0');
-      static_cast<void>(recv(connection, question.data(), question.size(), 0));
-      treat_(connection, is_over_);
-      close(connection);
-    }
-  }
-
-  const Treat treat_;
-  const int listener_;
-  EtcdEndpoint endpoint_;
-  std::atomic<bool> is_over_{false};
-  std::atomic<int> asked_{0};
-  std::thread thread_;
-};
 
 const StoreTransaction kRead{.conditions = {}, .writes = {}, .reads = {"a", "b"}};
 constexpr const char* kAnswer =
@@ -251,9 +190,31 @@ TEST(EtcdAddresses, AreReadWithMembersAndKeyOrRefused) {
   EXPECT_EQ(three->endpoints[2].port, "65535");
   EXPECT_EQ(three->key, "plant/7");
   EXPECT_EQ(parse_etcd_address("etcd://a:1")->key, "");
-  for (const char* bad : {"", "a:1", "http://a:1", "etcd://", "etcd://a", "etcd://a:", "etcd://a:0", "etcd://a:65536",
-                          "etcd://a:1x", "etcd://a:1,", "etcd://,a:1", "etcd://:1", "etcd://a b:1", "etcd://a:1//k",
-                          "etcd://a:1/k/", "etcd://a:1/k?x", "etcd://::1:1", "etcd://u@a:1"}) {
+  EXPECT_FALSE(three->has_tls);
+  const std::optional<EtcdAddress> secure = parse_etcd_address("etcds://a:1/k", "/etc/keys");
+  ASSERT_TRUE(secure);
+  EXPECT_TRUE(secure->has_tls);
+  EXPECT_EQ(secure->keys_folder, "/etc/keys");
+  for (const char* bad : {"",
+                          "a:1",
+                          "http://a:1",
+                          "etcd://",
+                          "etcds://",
+                          "etcdss://a:1",
+                          "etcd://a",
+                          "etcd://a:",
+                          "etcd://a:0",
+                          "etcd://a:65536",
+                          "etcd://a:1x",
+                          "etcd://a:1,",
+                          "etcd://,a:1",
+                          "etcd://:1",
+                          "etcd://a b:1",
+                          "etcd://a:1//k",
+                          "etcd://a:1/k/",
+                          "etcd://a:1/k?x",
+                          "etcd://::1:1",
+                          "etcd://u@a:1"}) {
     EXPECT_FALSE(parse_etcd_address(bad)) << bad;
   }
   std::string many = "etcd://a:1";

@@ -63,6 +63,7 @@ TEST_F(FleetSettingsFile, EverySettingSetsItsOwnFieldAndNoOther) {
       {"server.join", "yard", [](const Parsed& p) { return p.fleet.joins && p.options.name_space == "yard"; }},
       {"server.replica_of", "yard",
        [](const Parsed& p) { return p.fleet.replica_of == "yard" && p.options.name_space == "yard"; }},
+      {"server.etcd_keys", "/usr", [](const Parsed& p) { return p.fleet.etcd_keys == "/usr"; }},
       {"server.shard", west.c_str(),
        [](const Parsed& p) {
          return p.options.shard && p.options.shard->name == "west" && p.fleet.shard_map != 0 &&

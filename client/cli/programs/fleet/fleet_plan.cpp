@@ -125,7 +125,7 @@ std::size_t chosen_shard(const ShardMap& map, const std::string& name, const std
 ShardPlan plan_of_shards(Session& session, const Globals& globals, const FleetPlanOptions& options,
                          LoadMeasure measure) {
   if (!options.margin.empty()) throw bad_use("--margin is that of the map, which --shards names");
-  const ShardMap map = take_map(globals.shards, connect_options(session.io, globals).wait).map;
+  const ShardMap map = take_map(globals.shards, map_access(session.io, globals)).map;
   HeldByName held;
   for (std::size_t place = 0; place < map.size(); ++place) {
     Globals of_shard = globals;
@@ -179,10 +179,10 @@ void print_summary(Session& session, const Globals& globals, const ShardPlan& pl
 
 /// The successor of a map in etcd is only a proposal at first, so a newer one replaces it.
 void write_proposal(Session& session, const Globals& globals, const std::string& target, const ShardMap& map) {
-  const auto patience = connect_options(session.io, globals).wait;
+  const shards::MapAccess access = map_access(session.io, globals);
   std::int64_t in_place_of = 0;
-  if (target == globals.shards + "/next") in_place_of = revision_at(target, patience);
-  write_map(map, target, in_place_of, patience);
+  if (target == globals.shards + "/next") in_place_of = revision_at(target, access);
+  write_map(map, target, in_place_of, access);
 }
 
 }  // namespace

@@ -15,10 +15,10 @@ Exit publish_map(Session& session, const Globals& globals, const FleetPublishOpt
   if (globals.shards.empty() || !shards::is_in_etcd(options.to))
     throw bad_use("which map, and where to?",
                   "collide fleet publish --shards FILE --to etcd://HOST:PORT/KEY: servers and clients read it there");
-  const auto patience = connect_options(session.io, globals).wait;
-  const shards::ShardMap map = take_map(globals.shards, patience).map;
+  const shards::MapAccess access = map_access(session.io, globals);
+  const shards::ShardMap map = take_map(globals.shards, access).map;
   const std::int64_t revision =
-      write_map(map, options.to, static_cast<std::int64_t>(options.revision.value_or(0)), patience);
+      write_map(map, options.to, static_cast<std::int64_t>(options.revision.value_or(0)), access);
   Printer printer = make_printer(session.io, globals);
   printer.set_usual_fields({"map", "shards", "revision"});
   if (printer.human())

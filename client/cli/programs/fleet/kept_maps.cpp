@@ -34,22 +34,27 @@ void write_file(const ShardMap& map, const std::string& path) {
 
 }  // namespace
 
-KeptShardMap take_map(const std::string& source, std::chrono::nanoseconds patience) {
-  return or_failure([&] { return shards::read_shard_map(source, patience); });
+shards::MapAccess map_access(const Io& io, const Globals& globals) {
+  const ConnectOptions options = connect_options(io, globals);
+  return {.etcd_keys = options.etcd_keys, .patience = options.wait};
 }
 
-std::int64_t revision_at(const std::string& address, std::chrono::nanoseconds patience) {
-  return or_failure([&] { return ShardMapStore(address, patience).revision(); });
+KeptShardMap take_map(const std::string& source, const shards::MapAccess& access) {
+  return or_failure([&] { return shards::read_shard_map(source, access); });
+}
+
+std::int64_t revision_at(const std::string& address, const shards::MapAccess& access) {
+  return or_failure([&] { return ShardMapStore(address, access).revision(); });
 }
 
 std::int64_t write_map(const ShardMap& map, const std::string& target, std::int64_t in_place_of,
-                       std::chrono::nanoseconds patience) {
+                       const shards::MapAccess& access) {
   if (!shards::is_in_etcd(target)) {
     write_file(map, target);
     return 0;
   }
   return or_failure([&] {
-    ShardMapStore store(target, patience);
+    ShardMapStore store(target, access);
     if (const std::optional<std::int64_t> revision = store.write(map, in_place_of)) return *revision;
     const std::int64_t there = store.revision();
     if (there == 0) throw Failure(Exit::refused, fmt::format("{}: there is no revision {}", target, in_place_of));
