@@ -20,6 +20,8 @@
 #include "idl/etcd/etcd_members.hpp"
 #include "tests/service/child_process.hpp"
 #include "tests/service/etcd_process.hpp"
+#include "tests/service/eventually.hpp"
+#include "tests/unit/fleet/watch_run.hpp"
 
 namespace collided::etcd {
 namespace {
@@ -231,6 +233,26 @@ TEST_F(EtcdWithTls, ATokenThatIsRefusedIsAskedForAnewWithTheFilesAsTheyAreThen) 
   write("password", "better");
   EXPECT_TRUE(can_write());
   administer("user/changepw", {{"name", "planner"}, {"password", "good"}});
+}
+
+TEST_F(EtcdWithTls, AWatchGoesOnThoughItsTokenWasForgotten) {
+  ASSERT_EQ(failure(client(), "yard/watched"), "");
+  testing_support::WatchRun run(*parse_etcd_address(cluster_->address(), keys_), {.key = "yard/watched"},
+                                2'000'000'000);
+  ASSERT_TRUE(test::eventually([&] { return run.texts().size() == 1; }));
+  cluster_->member(0).signal(SIGKILL);
+  cluster_->member(0).wait(5s);
+  cluster_->start(0);
+  ASSERT_TRUE(cluster_->is_ready(30s));
+  ASSERT_EQ(failure(client(), "yard/watched"), "");
+  EXPECT_TRUE(test::eventually([&] { return run.texts().size() == 2; }));
+}
+
+TEST_F(EtcdWithTls, WhatMayNotBeWatchedIsAProblem) {
+  testing_support::WatchRun run(*parse_etcd_address(cluster_->address(), keys_), {.key = "other"}, 2'000'000'000);
+  ASSERT_TRUE(test::eventually([&] { return !run.problems().empty(); }));
+  EXPECT_EQ(run.problems().back(), member() + ": user 'planner' has no permission for these keys");
+  EXPECT_LT(run.stop(), 1s);
 }
 
 }  // namespace
