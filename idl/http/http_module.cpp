@@ -135,6 +135,9 @@ class CurlConnection final : public HttpConnection {
     curl_easy_setopt(curl, CURLOPT_WRITEDATA, &request);
     curl_easy_setopt(curl, CURLOPT_ERRORBUFFER, detail);
     curl_easy_setopt(curl, CURLOPT_TIMEOUT_MS, patience_ms);
+    if (what.connect_ns != 0)
+      curl_easy_setopt(curl, CURLOPT_CONNECTTIMEOUT_MS,
+                       std::max<long>(1, static_cast<long>(what.connect_ns / 1'000'000)));
     curl_easy_setopt(curl, CURLOPT_NOSIGNAL, 1L);
     curl_easy_setopt(curl, CURLOPT_QUICK_EXIT, 1L);  // a name that is being looked up cannot be stopped
     return {headers, curl_slist_free_all};

@@ -21,6 +21,7 @@ struct HttpPost {
   std::string url;
   const std::string& body;             // JSON
   std::int64_t patience_ns = 0;        // for all of the answer, a stream's too
+  std::int64_t connect_ns = 0;         // of the patience, for the connection; 0: all of it
   bool is_web = false;                 // the environment's proxies count; the answer's body is not read
   std::function<bool()> is_over = {};  // asked ten times a second; true ends it early
   std::string authorization = {};      // the header's value; empty: no such header
