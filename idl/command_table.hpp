@@ -218,7 +218,7 @@ inline constexpr ArgumentSpec kRecording[]{
     {"offset", whole, "byte of that file", 0, std::uint64_t{1} << 40}};
 inline constexpr ArgumentSpec kAcceptLoss[]{{"show", truth, "nothing is accepted"}};
 inline constexpr ArgumentSpec kHandOver[]{{"to", text, "member of the fleet; absent: any that is ready"}};
-inline constexpr ArgumentSpec kSettled[]{
+inline constexpr ArgumentSpec kWatching[]{
     {"watch", whole, "number of a watch of several shards"},
     {"map", text, "fingerprint of the newest shard map all of whose shards it watches"}};
 inline constexpr ArgumentSpec kSuccession[]{{"revision", whole}, {"phase", text}, {"from", text}, {"map", text}};
@@ -332,7 +332,7 @@ inline constexpr CommandSpec kCommands[]{
     {kDetach, change, attachments, each, arguments::kDetach},
     {kSampled, change, nothing, all, arguments::kSampled},
     {kHandOver, change, nothing, all, arguments::kHandOver, {}, false, true},
-    {kSettled, ask, nothing, all, arguments::kSettled, {}, false, true},
+    {kWatching, ask, nothing, all, arguments::kWatching, {}, false, true},
     {kShard, ask, nothing, all, {}, {}, false, true},
     {kSuccession, change, shard_map, all, arguments::kSuccession, {}, false, true},
 };

@@ -49,10 +49,8 @@ inline constexpr const char* kGet = "get";
 /// server accepts nothing from this publisher; absent: it does), version
 inline constexpr const char* kLeftOut = "left_out";
 
-/// -> settled_ns (world time up to which every contact is decided, by the publishers that have objects here; without
-/// any, by the server's clock), event_sequence (all events up to this one are published), epoch; after a failover
-/// heir_of (the server that it replaced) and told_from (the first sequence that it published itself)
-inline constexpr const char* kSettled = "settled";
+/// While a shard is split: a watch of several shards reports which map it watches. -> {}
+inline constexpr const char* kWatching = "watching";
 
 /// -> Plan, and scenes [{scene, load, tiles}]. load: arguments of the command load that restore the scene; null for a
 /// file that a client sent

@@ -93,18 +93,21 @@ inline constexpr TopicQos kPoseTopic{"pose_v2", Reliability::reliable, Durabilit
 /// A sample has up to 80 kB, so 1,024 waiting samples are at most 80 MB; writers of more are blocked.
 inline constexpr TopicQos kQueryTopic{"query_v2", Reliability::reliable, Durability::volatile_data, 0, 1'024, false};
 inline constexpr TopicQos kReplyTopic{"reply_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
-inline constexpr TopicQos kEventTopic{"event_v2", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
+inline constexpr TopicQos kEventTopic{"event_v3", Reliability::reliable, Durability::volatile_data, 8'192, 0, false};
 /// Persisting contacts, for subscribers that draw them: EventFrames of `persisted` only, first_sequence 0; written
 /// while the topic has readers.
-inline constexpr TopicQos kPersistedTopic{"persisted_v2", Reliability::best_effort, Durability::volatile_data, 64, 0,
+inline constexpr TopicQos kPersistedTopic{"persisted_v3", Reliability::best_effort, Durability::volatile_data, 64, 0,
+                                          false};
+/// World time up to which all events are decided: EventFrames without events. The next one replaces one that is lost.
+inline constexpr TopicQos kWatermarkTopic{"watermark_v3", Reliability::best_effort, Durability::volatile_data, 64, 0,
                                           false};
 inline constexpr TopicQos kProbeTopic{"probe_v2", Reliability::reliable, Durability::volatile_data, 256, 0, false};
 inline constexpr TopicQos kContactTopic{"contact_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
 /// The newest sample of each publisher that each state includes: a Status with only version, time and the columns of
 /// publishers, written after every step while the topic has readers. A recording needs it to determine which poses an
 /// answer was about.
-inline constexpr TopicQos kStepTopic{"step_v2", Reliability::reliable, Durability::volatile_data, 1'024, 0, false};
-inline constexpr TopicQos kStatusTopic{"status_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
+inline constexpr TopicQos kStepTopic{"step_v3", Reliability::reliable, Durability::volatile_data, 1'024, 0, false};
+inline constexpr TopicQos kStatusTopic{"status_v3", Reliability::reliable, Durability::transient_local, 1, 0, false};
 /// The servers. A crashed server's instance is not disposed; readers see that it has no writer.
 inline constexpr TopicQos kMemberTopic{"member_v2", Reliability::reliable, Durability::transient_local, 1, 0, false};
 /// The effects of commands, for followers. There are few followers, and each drains its reader at once.
@@ -133,6 +136,8 @@ inline constexpr std::int64_t kLeastGapNs = 1'000'000;
 inline constexpr std::int64_t kMostGapNs = 8'000'000'000;
 /// Interval between statuses.
 inline constexpr std::int64_t kStatusPeriodNs = 50'000'000;
+/// Interval between watermarks in a world that does not step.
+inline constexpr std::int64_t kWatermarkPeriodNs = 20'000'000;
 /// If a step lasts longer than this, a standby considers the server to hang.
 inline constexpr std::int64_t kWorldHangsNs = 10'000'000'000;
 /// Interval between a member's records about itself.

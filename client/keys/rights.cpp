@@ -18,8 +18,9 @@ void add(std::set<std::string>& topics, std::initializer_list<const TopicQos*> r
 
 void add_server(TopicRights& rights) {
   add(rights.read, {&kQueryTopic, &kObjectTopic, &kPoseTopic, &kStatusTopic, &kMemberTopic});
-  add(rights.write, {&kMemberTopic, &kChangeTopic, &kReplyTopic, &kStatusTopic, &kStepTopic, &kEventTopic,
-                     &kContactTopic, &kPersistedTopic, &kProbeTopic, &kStandingEventTopic, &kStandingStateTopic});
+  add(rights.write,
+      {&kMemberTopic, &kChangeTopic, &kReplyTopic, &kStatusTopic, &kStepTopic, &kEventTopic, &kContactTopic,
+       &kPersistedTopic, &kWatermarkTopic, &kProbeTopic, &kStandingEventTopic, &kStandingStateTopic});
 }
 
 void add_client(TopicRights& rights) {
@@ -28,8 +29,8 @@ void add_client(TopicRights& rights) {
 }
 
 void add_watching(TopicRights& rights) {
-  add(rights.read, {&kStepTopic, &kEventTopic, &kContactTopic, &kPersistedTopic, &kProbeTopic, &kStandingEventTopic,
-                    &kStandingStateTopic});
+  add(rights.read, {&kStepTopic, &kEventTopic, &kContactTopic, &kPersistedTopic, &kWatermarkTopic, &kProbeTopic,
+                    &kStandingEventTopic, &kStandingStateTopic});
 }
 
 /// Including the content of a recording.

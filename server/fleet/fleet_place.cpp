@@ -120,8 +120,7 @@ void FleetPlace::add_commands(CommandContext& context, std::vector<std::unique_p
   families.push_back(
       shard_commands(context, {.shard_map = fleet_.shard_map,
                                .replaced_within_ns = replaced_within_ns(fleet_),
-                               .hand_over = [this](const std::string& name) { return hand_over_to(name); },
-                               .predecessor = [this] { return succession_->predecessor(); }}));
+                               .hand_over = [this](const std::string& name) { return hand_over_to(name); }}));
 }
 
 void FleetPlace::attach(PlaceCollaborators with) {
@@ -200,7 +199,7 @@ bool FleetPlace::goes_on() {
 
 void FleetPlace::list_wings(std::vector<Wing>& wings) const {
   const bool is_member = begins_as_follower() || fleet_.joins || options_.shard || has_given_way() ||
-                         (succession_ && succession_->predecessor() != 0) || (feed_ && feed_->is_followed());
+                         predecessor() != 0 || (feed_ && feed_->is_followed());
   wings.push_back({.name = "fleet", .in_use = is_member});
   wings.push_back({.name = "authority", .in_use = election_ != nullptr});
 }

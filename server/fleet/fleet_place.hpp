@@ -46,6 +46,7 @@ class FleetPlace : public Place {
   bool may_publish() const override { return !term_.is_over(); }
   std::int64_t may_publish_until_ns() const override { return term_.until_ns(); }
   std::optional<std::int64_t> whole_since_ns() const override;
+  std::uint64_t predecessor() const override { return succession_ ? succession_->predecessor() : 0; }
   bool has_given_way() const override { return succession_ && succession_->has_given_way(); }
   bool goes_on() override;
   void list_wings(std::vector<Wing>& wings) const override;

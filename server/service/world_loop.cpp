@@ -41,6 +41,7 @@ void WorldLoop::stop() {
 
 std::chrono::steady_clock::time_point WorldLoop::next_wake() const {
   std::int64_t next_ns = next_status_ns_;
+  if (with_.event_writer.watermarks_wanted()) next_ns = std::min(next_ns, next_watermark_ns_);
   if (pending_changes_ > 0) next_ns = std::min(next_ns, next_step_ns_);
   return std::chrono::steady_clock::time_point(std::chrono::nanoseconds(next_ns));
 }
@@ -98,12 +99,13 @@ void WorldLoop::count_taking(std::int64_t now_ns) {
 void WorldLoop::keep_time() {
   constexpr std::int64_t kTickNs = 100'000'000;
   const std::int64_t now_ns = steady_ns();
+  if (now_ns >= next_watermark_ns_) write_watermark();
   if (now_ns < next_status_ns_) return;
   next_status_ns_ = now_ns + with_.event_writer.status_period_ns();
   publishers_.settle(with_.clock.now_ns());
   if (recovering() && has_recovered()) recovering_.store(false);
   write_status(state());
-  settled_lately_ns_.store(settled_ns(), std::memory_order_release);
+  settled_lately_ns_.store(status_.settled_ns, std::memory_order_release);
   if (now_ns < next_tick_ns_) return;
   next_tick_ns_ = now_ns + kTickNs;
   // An entry into a band is reported once it has lasted, and the nearest once all are known, even if nothing moves.
@@ -325,7 +327,9 @@ void WorldLoop::sum_up_poses() {
 
 void WorldLoop::publish() {
   const auto is_merged = [this](ObjectId id) { return publishers_.is_merged(id, settled_before_ns_); };
+  const std::uint64_t told = std::exchange(told_sequence_, with_.world.last_event_sequence());
   broadcast_.publish(is_merged);
+  if (told == told_sequence_) write_watermark();
   standing_broadcast_.publish(is_merged);
   if (!probes_.empty() && with_.event_writer.probes_wanted()) {
     const SnapshotRing::Lease state = with_.world.newest();
@@ -333,6 +337,16 @@ void WorldLoop::publish() {
   }
   release_passed_barriers();
   if (with_.event_writer.steps_wanted()) write_step();
+}
+
+/// Beside frames of events and statuses, which have it too: watches of several shards wait for each shard's.
+void WorldLoop::write_watermark() {
+  if (!with_.event_writer.watermarks_wanted()) return;
+  next_watermark_ns_ = steady_ns() + wire_contract::kWatermarkPeriodNs;
+  const SnapshotRing::Lease newest = with_.world.newest();
+  with_.event_writer.write_watermark(
+      with_.world.last_event_sequence() + 1,
+      {.version = newest->version, .world_time_ns = newest->world_time_ns, .settled_ns = settled_ns()});
 }
 
 std::int64_t WorldLoop::settled_ns() const {
@@ -379,6 +393,9 @@ void WorldLoop::write_status(ServerState state) {
   status_.stamp = {.version = newest->version, .world_time_ns = newest->world_time_ns};
   status_.state = state;
   status_.last_event_sequence = with_.world.last_event_sequence();
+  status_.settled_ns = settled_ns();
+  status_.heir_of = with_.place.predecessor();
+  status_.told_from = told_from_;
   status_.contact_count = static_cast<std::uint32_t>(with_.world.contacts().size());
   status_.contact_hash = broadcast_.contact_hash();
   status_.contacts_truncated = newest->contacts_truncated;

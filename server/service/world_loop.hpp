@@ -98,9 +98,6 @@ class WorldLoop {
   /// Begins publishing after a silence: the newest unpublished events, everything that holds, and the status. For jobs
   /// on this thread.
   void speak(const SpokenBefore& before);
-  /// The number of the first event that it has published since it took over from another server, or will publish. The
-  /// world's thread only.
-  std::uint64_t told_from() const { return told_from_; }
   /// Writes nothing from now on. For jobs on this thread.
   void fall_silent() { with_.event_writer.fall_silent(); }
   /// Steps, announces that this server stops, and falls silent: everything received from publishers is published.
@@ -108,10 +105,7 @@ class WorldLoop {
   WriteBarriers::Applied say_last_words();
   /// Counts a change made by a job itself, so that a step follows.
   void note_change() { ++own_changes_; }
-  /// World time up to which every contact is decided and published: samples since the last step are not. If nothing is
-  /// in progress, that is the clock. The world's thread only.
-  std::int64_t settled_ns() const;
-  /// The same, at the last status. Any thread.
+  /// settled_ns() as of the last status. Any thread.
   std::int64_t settled_lately_ns() const { return settled_lately_ns_.load(std::memory_order_acquire); }
   const LoopCounts& counts() const { return counts_; }
   /// Any thread.
@@ -161,6 +155,10 @@ class WorldLoop {
   void sum_up_poses();
   void publish();
   void publish_probes(const Stamp& stamp);
+  void write_watermark();
+  /// World time up to which every contact is decided and told: what has come since the last step is not. Where nothing is
+  /// at work, that is the clock.
+  std::int64_t settled_ns() const;
   void release_passed_barriers();
   void write_status(wire_contract::ServerState state);
   void write_step();
@@ -188,9 +186,12 @@ class WorldLoop {
   std::int64_t settled_before_ns_ = 0;  // world time up to which everything was decided before the newest step
   std::int64_t next_step_ns_ = 0;       // these three: steady clock
   std::int64_t next_status_ns_ = 0;
+  std::int64_t next_watermark_ns_ = 0;  // likewise
   std::int64_t next_tick_ns_ = 0;
-  std::int64_t say_again_ns_ = 0;  // steady clock: when everything that holds is published once more; 0: not
-  std::uint64_t told_from_ = 0;    // see told_from()
+  std::int64_t say_again_ns_ = 0;  // likewise: when all that holds is said once more; 0: not
+  // The number of the first event that it has told since it took another server's place, or will tell.
+  std::uint64_t told_from_ = 0;
+  std::uint64_t told_sequence_ = 0;  // of the newest event that is published
   LoopCounts counts_;
   StepSums sums_;
   StepTraces traces_;

@@ -280,7 +280,7 @@ int publish(int domain, std::uint64_t count) {
   fast::DataWriter* objects =
       link.writer<DefinitionPubSubType>({.suffix = "object_v2", .is_durable = true, .lease_ms = kLease_ms});
   fast::DataWriter* poses = link.writer<PoseBatchPubSubType>({.suffix = "pose_v2", .lease_ms = kLease_ms});
-  fast::DataReader* status = link.reader<StatusPubSubType>({.suffix = "status_v2", .is_durable = true});
+  fast::DataReader* status = link.reader<StatusPubSubType>({.suffix = "status_v3", .is_durable = true});
   wait_for_match(objects, "objects");
   wait_for_match(poses, "poses");
   const std::jthread pulse([&](const std::stop_token& is_over) {
@@ -362,7 +362,7 @@ void read_names(const Message& message, std::map<std::uint64_t, std::string>& na
 
 int watch(int domain, std::uint64_t count) {
   Link link(domain);
-  fast::DataReader* events = link.reader<EventFramePubSubType>({.suffix = "event_v2"});
+  fast::DataReader* events = link.reader<EventFramePubSubType>({.suffix = "event_v3"});
   fast::DataReader* contacts = link.reader<ContactShardPubSubType>({.suffix = "contact_v2", .is_durable = true});
   wait_for_match(events, "events");
   wait_for_match(contacts, "contacts");

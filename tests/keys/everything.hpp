@@ -34,6 +34,7 @@ inline const std::vector<Way>& ways() {
                           {&kStepTopic, &collided_wire_v2_Status_desc, ""},
                           {&kEventTopic, &collided_wire_v2_EventFrame_desc, ""},
                           {&kPersistedTopic, &collided_wire_v2_EventFrame_desc, ""},
+                          {&kWatermarkTopic, &collided_wire_v2_EventFrame_desc, ""},
                           {&kContactTopic, &collided_wire_v2_ContactShard_desc, ""},
                           {&kProbeTopic, &collided_wire_v2_ProbeFrame_desc, ""},
                           {&kStandingEventTopic, &collided_wire_v2_StandingFrame_desc, ""},

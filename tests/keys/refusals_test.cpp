@@ -28,7 +28,7 @@ class Refusals : public testing::Test {
     Everything server(folders_.of("brain", {KeyRole::server}), 0);
     Everything member(keys, 2);
     const bool is_heard = test::passes(member, server, {"pose_v2"}, 2s).contains("pose_v2");
-    const bool hears = test::passes(server, member, {"event_v2"}, 500ms).contains("event_v2");
+    const bool hears = test::passes(server, member, {"event_v3"}, 500ms).contains("event_v3");
     return {is_heard, hears};
   }
   static constexpr std::pair<bool, bool> kNothing{false, false};

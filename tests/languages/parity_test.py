@@ -47,7 +47,7 @@ NO_CALL = {
 NO_FUNCTION = {"record", "write_snapshot", "recorded_picture", "fleet_findings", "split_shard", "robot_objects", "what_if", "proves"}
 # Commands that have no call of their own and are sent by command().
 COMMAND_ALONE = {
-    "audit", "menu", "figures", "steps", "recording", "covers", "accept_loss", "sampled", "handover", "settled", "shard",
+    "audit", "menu", "figures", "steps", "recording", "covers", "accept_loss", "sampled", "handover", "watching", "shard",
     "succession",
 }
 # A command that the library sends for Publisher.report().

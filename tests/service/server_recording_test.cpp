@@ -68,7 +68,7 @@ class ServerRecording : public testing_support::ServerTest {
     return found >= count;
   }
   static bool listens(const std::string& file) {
-    return test::eventually([&] { return has(file, "collided/status_v2", 1); }, 20s);
+    return test::eventually([&] { return has(file, "collided/status_v3", 1); }, 20s);
   }
 
   /// A run with something of everything: balls that move at random, one that was there before and rests, one that is
@@ -224,7 +224,7 @@ TEST_F(ServerRecording, WhatIsDoneWhileARecordingBeginsIsInItOnce) {
     };
     add_next();
     ChildProcess& recorder = record_beside(file);
-    ASSERT_TRUE(test::eventually([&] { return add_next(), has(file, "collided/status_v2", 1); }, 30s));
+    ASSERT_TRUE(test::eventually([&] { return add_next(), has(file, "collided/status_v3", 1); }, 30s));
     const std::size_t while_it_began = added;
     for (int i = 0; i < 10; ++i) add_next();
     ASSERT_TRUE(test::eventually([&] { return has(file, "collided/query_v2", while_it_began + 20); }, 20s));

@@ -96,7 +96,7 @@ class ServerStandingRecording : public testing_support::StandingTest {
     return found;
   }
   static bool listens(const std::string& file) {
-    return test::eventually([&] { return read(file).counts["collided/status_v2"] > 0; }, 20s);
+    return test::eventually([&] { return read(file).counts["collided/status_v3"] > 0; }, 20s);
   }
 
   static Standing ball_about(const std::string& name, const Vec3& center, double radius_m) {
@@ -244,7 +244,7 @@ TEST_F(ServerStandingRecording, WithoutAnyThereIsNothingOfThem) {
   Publisher publisher = publish(client, "pilot");
   fly(publisher, add_balls(publisher), 20);
   EXPECT_EQ(names(client), Names());
-  ASSERT_TRUE(test::eventually([&] { return read(file).counts["collided/event_v2"] > 0; }, 20s));
+  ASSERT_TRUE(test::eventually([&] { return read(file).counts["collided/event_v3"] > 0; }, 20s));
   end(*recorder);
   ASSERT_TRUE(fetch_recording(here(), 20s, last));
   for (const std::string& one : {file, last}) {

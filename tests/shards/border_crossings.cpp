@@ -1,6 +1,7 @@
 // Objects go to and fro across the borders of four shards, and the same ones in one server that holds everything:
 //   border_crossings SERVER CROSSINGS [SEED [SPLITS [KILLS [CUTS]]]]
-// Two publishers with instants of their own tell both worlds the same poses at the same times. What a watch of the shards
+// Two publishers with instants of their own tell both worlds the same poses at the same times; one of the two speaks 4 to 100
+// times as often as the other, by the seed. What a watch of the shards
 // tells must be what a watch of the one server tells: for each pair the same events in the same order at the same times.
 // With one split a shard is split on the way, with two one of those in its place later, at the second attempt; and rays are
 // asked of both worlds all the while, whose answers about a settled instant must be the same.
@@ -42,7 +43,7 @@ using namespace std::chrono_literals;
 using std::chrono::nanoseconds;
 
 constexpr int kObjects = 48;  // of each publisher
-constexpr int kSlowPeriod = 16;
+constexpr double kMostTimesSlower = 100;
 constexpr double kRange = 2;  // m, about the point where all shards meet
 constexpr auto kPatience = 60s;
 constexpr auto kTick = 15ms;
@@ -128,6 +129,10 @@ class BorderCrossings {
  public:
   BorderCrossings(std::string server, std::uint64_t seed, int kills, bool cuts)
       : server_(std::move(server)), random_(seed), domain_(own_domain()), kills_(kills), cuts_(cuts) {
+    slow_ = static_cast<int>(random_() % 2);
+    slow_period_ = static_cast<int>(
+        std::lround(std::exp(std::uniform_real_distribution<>(std::log(4.0), std::log(kMostTimesSlower))(random_))));
+    std::printf("publisher %d speaks every %d ticks, the other one every tick\n", slow_, slow_period_);
     const std::string file = write(kMap, "map.json");
     std::ofstream(folder_.path() + "/floor.obj") << kFloor;
     whole_server_ = start({"--namespace", "whole"});
@@ -275,7 +280,7 @@ class BorderCrossings {
   void add_publisher(int number) {
     Source& source = sources_.emplace_back();
     // What the first one moves may be far beyond a border when its pairs with the second one's objects are decided.
-    if (number == 1) source.period = kSlowPeriod;
+    if (number == slow_) source.period = slow_period_;
     const std::string name = "publisher_" + std::to_string(number);
     source.whole.emplace(value_of(whole_->publish(name, {.lease = 60s}), "publish"));
     source.sharded.emplace(value_of(sharded_->publish(name, {.lease = 60s}), "publish"));
@@ -577,6 +582,8 @@ class BorderCrossings {
   std::optional<Watch> whole_watch_;
   std::optional<ShardedWatch> sharded_watch_;
   std::vector<Source> sources_;
+  int slow_ = 0;         // publisher
+  int slow_period_ = 1;  // ticks
   Told whole_told_;
   Told sharded_told_;
   std::size_t whole_count_ = 0;

@@ -1,8 +1,10 @@
-// What it costs to ask four shards, beside one server that holds everything:
+// What it costs to ask four shards and how late their events come, beside one server that holds everything:
 //   shard_latency SERVER ROUNDS [SEED]
 // The servers have the embedded scene, and nothing moves. In each round the same rays go to the one server and to the shards
 // in turn, one by one and in batches of a thousand: rays that one shard answers, and rays across borders. Prints medians and
-// 99th percentiles of both, and exits 1 where an answer of the shards is another one than that of the one server.
+// 99th percentiles of both. Then two balls begin and end a contact with each flush of a publisher of 50 Hz, first in one of
+// the shards and then across a border; the delay of an event counts from that flush to its arrival at a watch.
+// Exits 1 if an answer of the shards differs from that of the one server, or an event does not come.
 
 #include <chrono>
 #include <cstdint>
@@ -13,6 +15,7 @@
 #include <optional>
 #include <random>
 #include <string>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -80,12 +83,23 @@ class ShardLatency {
     std::printf("%-28s %10s %10s %10s %10s %7s\n", "", "p50", "p99", "p50", "p99", "p50");
     for (const auto& [name, times] : times_) print(name, times);
     std::printf("%d answers differ\n", differing_);
-    return differing_;
+    times_.clear();
+    Publisher of_whole = value_of(whole_->publish("balls"), "publish");
+    Watch whole_watch = value_of(whole_->watch(), "watch");
+    time_events("an event, one shard", {-4, -4, 50}, of_whole, whole_watch, rounds, &Times::whole_us);
+    time_events("an event, at a border", {0, -4, 50}, of_whole, whole_watch, rounds, &Times::whole_us);
+    ShardedPublisher of_shards = value_of(shards_->publish("balls"), "publish");
+    ShardedWatch shards_watch = value_of(shards_->watch(), "watch");
+    time_events("an event, one shard", {-4, -4, 50}, of_shards, shards_watch, rounds, &Times::shards_us);
+    time_events("an event, at a border", {0, -4, 50}, of_shards, shards_watch, rounds, &Times::shards_us);
+    for (const auto& [name, times] : times_) print(name, times);
+    return differing_ + missing_;
   }
 
  private:
   static constexpr int kWarmUp = 50;
   static constexpr int kRoundsToABatch = 10;
+  static constexpr auto kFlush = 20ms;
   struct Times {
     std::vector<double> whole_us;
     std::vector<double> shards_us;
@@ -124,6 +138,39 @@ class ShardLatency {
     times_[name].shards_us.push_back(shards_us);
   }
 
+  /// Two balls touch after every other flush.
+  template <class AnyPublisher, class AnyWatch>
+  void time_events(const std::string& name, const Vec3& at, AnyPublisher& publisher, AnyWatch& watch, int rounds,
+                   std::vector<double> Times::*times) {
+    const Shape ball{SphereShape{.radius_m = 0.1}};
+    const Vec3 apart(0, 0.3, 0);
+    const auto rests = value_of(publisher.add({.name = "rests", .shape = ball, .pose = {.position = at}}), "add");
+    const auto goes = value_of(publisher.add({.name = "goes", .shape = ball, .pose = {.position = at + apart}}), "add");
+    // Until what is decided follows the publisher's instants.
+    for (int flush = 0; flush < 50; ++flush, std::this_thread::sleep_for(kFlush)) value_of(publisher.flush(), "flush");
+    for (int round = 0; round < 2 * rounds; ++round) {
+      const bool touches = round % 2 == 0;
+      value_of(publisher.move(goes, {.position = touches ? at : Vec3(at + apart)}), "move");
+      const SteadyClock::time_point flushed = SteadyClock::now();
+      value_of(publisher.flush(), "flush");
+      std::optional<Event> event;
+      // The publisher goes on, since the time of its shards does not pass without it.
+      do {
+        const auto next_flush = SteadyClock::now() + kFlush;
+        event = watch.next(kFlush);
+        if (event) (times_[name].*times).push_back(1'000 * ms_since(flushed));
+        std::this_thread::sleep_until(next_flush);
+        value_of(publisher.flush(), "flush");
+      } while (!event && SteadyClock::now() < flushed + 2s);
+      if (event && event->kind == (touches ? EventKind::began : EventKind::ended)) continue;
+      std::printf("%s, round %d: %s\n", name.c_str(), round, event ? "another event came" : "no event came");
+      ++missing_;
+    }
+    value_of(publisher.remove(goes), "remove");
+    value_of(publisher.remove(rests), "remove");
+    value_of(publisher.flush(), "flush");
+  }
+
   static void print(const std::string& name, const Times& times) {
     const double whole_p50 = percentile(times.whole_us, 0.5);
     const double shards_p50 = percentile(times.shards_us, 0.5);
@@ -140,6 +187,7 @@ class ShardLatency {
   std::optional<ShardedClient> shards_;
   std::map<std::string, Times> times_;
   int differing_ = 0;
+  int missing_ = 0;
 };
 
 }  // namespace

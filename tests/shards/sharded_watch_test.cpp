@@ -11,6 +11,7 @@
 #include <gtest/gtest.h>
 
 #include "collided/shards.hpp"
+#include "idl/dds.hpp"
 #include "tests/service/eventually.hpp"
 #include "tests/shards/sharded_fixture.hpp"
 
@@ -43,6 +44,32 @@ TEST_F(ShardedWatching, AServerThatIsStartedAgainIsAGap) {
   east.wait(5s);
   start_shard("east");
   EXPECT_TRUE(test::eventually([&] { return watch->gaps() > 0; }, 20s));
+}
+
+/// How much comes to a shard within two seconds: questions, greetings and commands.
+int queries_to(const std::string& shard, int domain) {
+  const dds::Participant participant({.domain = domain, .role = dds::Role::server, .process_domain = domain + 100'000});
+  const dds::Topic<wire::Query> topic(participant, "collided/shard_" + shard);
+  std::atomic<int> count{0};
+  const dds::Reader<wire::Query> reader(topic, {.data = [&](dds::Taker<wire::Query> taker) {
+                                          for (dds::Sample<wire::Query> query; taker.take(query);) ++count;
+                                        }});
+  EXPECT_TRUE(test::eventually([&] { return reader.matched_writers() > 0; }));
+  count = 0;
+  std::this_thread::sleep_for(2s);
+  return count;
+}
+
+// One of the shards is asked once a second whether one is split. All else comes with the servers' own messages.
+TEST_F(ShardedWatching, AnIdleWatchAsksNothing) {
+  start_halves();
+  ShardedClient client = connect_sharded();
+  Result<ShardedWatch> watch = client.watch();
+  ASSERT_TRUE(watch) << watch.error().message;
+  ASSERT_TRUE(test::eventually([&] { return watch->settled() > 0s; }));
+  const auto before = watch->settled();
+  EXPECT_LE(queries_to("west", domain_), 3);
+  EXPECT_GT(watch->settled() - before, 1s) << "what is decided goes on";
 }
 
 // Both shards hold the two balls, far above the scene, and only one of the shards is started again.

@@ -55,6 +55,7 @@ void RecordingEventWriter::write_frame(const service::EventColumns& events, cons
   payload_.put(epoch_);
   payload_.put(stamp.world_time_ns);
   payload_.put(static_cast<std::uint8_t>(is_again));
+  payload_.put(is_again ? std::int64_t{0} : stamp.settled_ns);
   payload_.put(events.first_sequence);
   put_columns(events);
   payload_.send(voice_ == Voice::is_expected ? Kind::expected : Kind::frame, now_ns_, to_);
@@ -79,6 +80,7 @@ void RecordingEventWriter::write_status(const service::StatusColumns& status) {
   payload_.put(status.contact_count);
   payload_.put(status.contact_hash);
   payload_.put(static_cast<std::uint8_t>(status.state));
+  payload_.put(status.settled_ns);
   payload_.send(Kind::bookmark, now_ns_, to_);
 }
 

@@ -30,12 +30,17 @@ SimulatedFleet::SimulatedFleet(std::uint64_t seed, std::FILE* to) : SeededChoice
   payload_.send(Kind::run, now_ns_, to_);
   for (std::uint64_t id = 1; id <= 2 + seed % 3; ++id) {
     hosts_.push_back(
-        {.publisher = {id, 1, SimulatedClock::near(random_, now_ns_)}, .period = chance(0.5) ? 1 : 2 + up_to(10)});
+        {.publisher = {id, 1, SimulatedClock::near(random_, now_ns_)}, .period = chance(0.5) ? 1 : any_period()});
   }
   expected_ = make_member(1, Voice::is_expected);
   primary_ = make_member(++epoch_, Voice::speaks);
   heard_ns_ = now_ns_;
   standby_starts_ns_ = now_ns_ + up_to(500'000'000);
+}
+
+/// Of publishers as unlike as a camera and a wheel's encoder: 2 to 100 ticks, of each order of magnitude as many.
+std::int64_t SimulatedFleet::any_period() {
+  return std::llround(std::exp(std::uniform_real_distribution<>(std::log(2.0), std::log(100.0))(random_)));
 }
 
 void SimulatedFleet::violation(const std::string& what) {

@@ -60,6 +60,7 @@ class SimulatedFleet : private SeededChoices {
     std::int64_t all_said_until_ns = 0;                   // its batches say that it has
   };
 
+  std::int64_t any_period();
   void tick(bool is_calm);
   void act(Host& host, std::size_t number);
   void flush(Host& host, bool everything);

@@ -128,6 +128,8 @@ void SimulatedServer::say_status(std::int64_t now_ns) {
   status.last_event_sequence = world_.last_event_sequence();
   status.contact_count = static_cast<std::uint32_t>(world_.contacts().size());
   status.contact_hash = broadcast_.contact_hash();
+  const bool is_stepped = changes_ == 0 && !publishers_.has_changes();
+  status.settled_ns = is_stepped ? world_.settled_ns(now_ns) : world_.newest()->settled_ns;
   event_writer_->write_status(status);
 }
 

@@ -34,7 +34,13 @@ void SimulatedWatcher::emit(const Event& event) {
   if (event.epoch > last_epoch_) reported_.clear();
   last_epoch_ = event.epoch;
   last_sequence_ = event.sequence;
-  if (!event.resync && event.kind != EventKind::open) reported_.push_back(event.sequence);
+  if (event.resync || event.kind == EventKind::open) return;
+  reported_.push_back(event.sequence);
+  // Each server rounds its times once.
+  constexpr std::chrono::nanoseconds kRounded{2};
+  const auto settled = state_.settled();
+  if (settled && settled->life.epoch == event.epoch && happened(event) + kRounded < settled->to)
+    say("is older than a watermark before it");
 }
 
 void SimulatedWatcher::hear(const Heard& message, std::int64_t now_ns) {

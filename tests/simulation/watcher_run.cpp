@@ -36,6 +36,7 @@ client::HeardFrame frame_of(Message& message, client::Names& names) {
   frame->world_time_ns = message.get<std::int64_t>();
   const bool is_again = message.get<std::uint8_t>() != 0;
   frame->version = is_again ? 0 : 1;
+  frame->settled_ns = message.get<std::int64_t>();
   frame->first_sequence = message.get<std::uint64_t>();
   const auto columns = columns_of<wire::EventFrameColumns>(message);
   wire::lend(columns, *frame);
@@ -61,6 +62,7 @@ client::HeardBookmark bookmark_of(Message& message) {
   status->contact_count = message.get<std::uint32_t>();
   status->contact_hash = message.get<std::uint64_t>();
   status->state = message.get<std::uint8_t>();
+  status->settled_ns = message.get<std::int64_t>();
   status->world_time_ns = message.time_ns();
   return client::decode(*status);
 }

@@ -9,11 +9,7 @@
 #include <string>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
-#include "client/library/commands/command.hpp"
 #include "client/library/publishing/publisher.hpp"
-#include "idl/commands.hpp"
 
 // Of which shards it is a publisher, and since when what it says counts there.
 namespace collided::client {
@@ -60,48 +56,34 @@ bool ShardedPublishing::may_fill(std::size_t shard) const {
   return member.publisher && (flushed_.count() == 0 || (member.decided && *member.decided <= flushed_));
 }
 
-/// Up to when a shard has decided; nothing if it does not answer. The lock is given up meanwhile.
-std::optional<nanoseconds> ShardedPublishing::ask_decided(std::size_t shard, std::unique_lock<std::mutex>& lock) {
+/// Up to when a shard has decided, by its newest status; 0 if it is silent.
+nanoseconds ShardedPublishing::decided_by(std::size_t shard) const {
   const std::shared_ptr<Connection> connection = links_->connection(shard);
-  const Publisher* const asked_for = members_[shard].publisher.get();
-  if (!connection || asked_for == nullptr) return std::nullopt;
-  lock.unlock();
-  const Result<std::string> answer =
-      command(*connection, wire_contract::command::kSettled, nlohmann::json::object(), kEnterWait);
-  lock.lock();
-  if (!answer || members_[shard].publisher.get() != asked_for) return std::nullopt;
-  const nlohmann::json said = nlohmann::json::parse(*answer, nullptr, false);
-  if (!said.is_object()) return std::nullopt;
-  return nanoseconds(said.value("settled_ns", std::int64_t{0}));
+  return connection && !connection->pulse().silent() ? connection->pulse().settled() : nanoseconds(0);
 }
 
-/// Asks shards that miss something how far they have decided.
-void ShardedPublishing::find_decided(std::unique_lock<std::mutex>& lock) {
+/// Finds how far shards that miss something have decided.
+void ShardedPublishing::find_decided() {
   for_each_place(missing_, [&](std::size_t shard) {
-    const ShardMember& member = members_[shard];
+    ShardMember& member = members_[shard];
     if (!member.publisher || member.decided || !links_->answers(shard)) return;
     if (may_fill(shard) || (flushed_at_ < Clock::now() - kRests && member.joined < Clock::now() - kRests))
       return catch_up(shard);
     if (member.flushed.count() == 0 || !member.publisher->wait_applied(kEnterWait)) return;
-    if (const std::optional<nanoseconds> decided = ask_decided(shard, lock)) members_[shard].decided = decided;
+    if (const nanoseconds decided = decided_by(shard); decided.count() != 0) member.decided = decided;
   });
 }
 
-/// Removes what has left shards that have decided past that.
-void ShardedPublishing::drop_left(std::unique_lock<std::mutex>& lock) {
-  ShardSet asked = 0;
-  for (const std::uint32_t number : leaving_) {
-    const Copies& copies = copies_[number];
-    for_each_place(copies.held, [&](std::size_t shard) {
-      if (copies.in_each[place_of(copies, shard)].left.count() != 0) asked |= shards::set_of(shard);
-    });
-  }
-  for_each_place(asked, [&](std::size_t shard) {
-    if (is_over_ || !links_->answers(shard)) return;
-    if (const std::optional<nanoseconds> decided = ask_decided(shard, lock)) drop_left(shard, *decided);
-  });
+/// Removes objects from shards that they left before the instant up to which the shard has decided: with a slower publisher
+/// it may have found until then that they touched.
+void ShardedPublishing::drop_left() {
   std::erase_if(leaving_, [&](std::uint32_t number) {
     Copies& copies = copies_[number];
+    for_each_place(copies.held, [&](std::size_t shard) {
+      const nanoseconds left = copies.in_each[place_of(copies, shard)].left;
+      const bool may_leave = left.count() != 0 && !std::has_single_bit(copies.held);
+      if (may_leave && left <= decided_by(shard)) leave(number, shard);
+    });
     copies.is_leaving = !std::has_single_bit(copies.held) &&
                         std::ranges::any_of(copies.in_each, [](const Copy& copy) { return copy.left.count() != 0; });
     return !copies.is_leaving;
@@ -146,8 +128,8 @@ void ShardedPublishing::run() {
     if (is_over_) return;
     follow_view();
     try_missing();
-    find_decided(lock);
-    drop_left(lock);
+    find_decided();
+    drop_left();
     if (wanted_ == 0) continue;
     const auto shard = static_cast<std::size_t>(std::countr_zero(wanted_));
     const std::shared_ptr<Client> client = links_->answers(shard) ? links_->shard(shard) : nullptr;

@@ -140,17 +140,6 @@ void ShardedPublishing::leave(std::uint32_t number, std::size_t shard) {
   --members_[shard].objects;
 }
 
-/// Removes objects from a shard that they left before the instant up to which it has decided: with a slower publisher it
-/// may have found until then that they touched.
-void ShardedPublishing::drop_left(std::size_t shard, nanoseconds decided) {
-  for (const std::uint32_t number : leaving_) {
-    const Copies& copies = copies_[number];
-    if ((copies.held & shards::set_of(shard)) == 0 || std::has_single_bit(copies.held)) continue;
-    const nanoseconds left = copies.in_each[place_of(copies, shard)].left;
-    if (left.count() != 0 && left <= decided) leave(number, shard);
-  }
-}
-
 /// The shards on the ways of what moved since the last flush, and those that were not there when they were needed.
 ShardedPublishing::ShardSet ShardedPublishing::needed() const {
   ShardSet needed = 0;
@@ -247,8 +236,7 @@ std::optional<Error> ShardedPublishing::tell(std::size_t shard, nanoseconds inst
   return std::nullopt;
 }
 
-/// Notes which of the objects that moved are out of a shard that holds them: by twice the margin, so that one that goes to
-/// and fro at a border is not defined again each time.
+/// Notes which of the objects that moved are out of a shard that holds them.
 void ShardedPublishing::note_left(nanoseconds instant) {
   const shards::ShardMap& map = view_->held;
   for (const std::uint32_t number : objects_.waiting()) {
@@ -259,7 +247,7 @@ void ShardedPublishing::note_left(nanoseconds instant) {
       continue;
     }
     const Vec3& at = objects_.at(number).options.pose.position;
-    const ShardSet near = map.holders_of(box_around(at, at, copies.reach_m + map.margin_m()));
+    const ShardSet near = map.holders_of(box_around(at, at, copies.reach_m));
     for_each_place(copies.held, [&](std::size_t shard) {
       nanoseconds& left = copies.in_each[place_of(copies, shard)].left;
       if ((near & shards::set_of(shard)) != 0) left = nanoseconds(0);

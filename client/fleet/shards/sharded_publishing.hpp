@@ -77,16 +77,15 @@ class [[gnu::visibility("hidden")]] ShardedPublishing {
   void catch_up(std::size_t shard);
   void try_missing();
   bool may_fill(std::size_t shard) const;
-  std::optional<std::chrono::nanoseconds> ask_decided(std::size_t shard, std::unique_lock<std::mutex> & lock);
-  void find_decided(std::unique_lock<std::mutex> & lock);
-  void drop_left(std::unique_lock<std::mutex> & lock);
+  std::chrono::nanoseconds decided_by(std::size_t shard) const;
+  void find_decided();
+  void drop_left();
   void join_ahead();
   void run();
 
   std::optional<Error> enter(std::uint32_t number, std::size_t shard);
   void leave(std::uint32_t number, std::size_t shard);
   static std::size_t place_of(const Copies& copies, std::size_t shard);
-  void drop_left(std::size_t shard, std::chrono::nanoseconds decided);
   ShardSet needed() const;
   ShardSet holders_on_way(std::uint32_t number) const;
   ShardSet fill_missing();

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include <nlohmann/json.hpp>
-
 #include "client/library/commands/command.hpp"
 #include "idl/commands.hpp"
 
@@ -15,11 +13,10 @@ using std::chrono::nanoseconds;
 
 namespace {
 
-/// Between two rounds. An event waits for two of them.
-constexpr nanoseconds kRound = milliseconds(20);
-/// A server that has more to do than it can answers after seconds, and is waited for as long as it is heard. The wait ends
-/// early if the server dies or is replaced.
-constexpr nanoseconds kAskTimeout = std::chrono::seconds(5);
+/// How often shards are looked at that report nothing.
+constexpr nanoseconds kNoNewsWait = milliseconds(20);
+/// While a shard is split, how often its server learns which map is watched, and how long one may take to answer.
+constexpr nanoseconds kMapReport = milliseconds(500);
 
 }  // namespace
 
@@ -35,33 +32,35 @@ ShardedWatching::ShardedWatching(std::shared_ptr<ShardLinks> links, const WatchO
 
 ShardedWatching::~ShardedWatching() {
   {
-    const std::lock_guard lock(over_mutex_);
+    const std::lock_guard lock(heard_mutex_);
     is_over_ = true;
   }
-  over_came_.notify_all();
+  news_came_.notify_all();
   thread_.join();
 }
 
-/// Returns true when it is over.
-bool ShardedWatching::sleep() {
-  std::unique_lock lock(over_mutex_);
-  return over_came_.wait_for(lock, kRound, [this] { return is_over_; });
+/// Returns false when it is over.
+bool ShardedWatching::wait_for_news() {
+  std::unique_lock lock(heard_mutex_);
+  news_came_.wait_for(lock, kNoNewsWait, [this] { return is_over_ || has_news_; });
+  has_news_ = false;
+  return !is_over_;
+}
+
+void ShardedWatching::note_news() {
+  {
+    const std::lock_guard lock(heard_mutex_);
+    has_news_ = true;
+  }
+  news_came_.notify_one();
 }
 
 void ShardedWatching::run() {
-  while (!sleep()) {
-    if (may_settle_ && is_outdated()) may_settle_.reset();
-    if (!may_settle_ || has_heard_all()) {
-      take_heard();
-      if (may_settle_) {
-        merge_.settle(*may_settle_);
-        settled_ns_ = std::max<std::int64_t>(settled_ns_, may_settle_->count());
-        open_contacts_ = merge_.open_contacts();
-      }
-      follow_view();
-      ask_all();
-    }
+  while (wait_for_news()) {
+    settle();
+    report_map();
     for (std::size_t shard = 0; shard < shards_.size(); ++shard) count_gaps(shard);
+    follow_view();
   }
 }
 
@@ -91,61 +90,70 @@ void ShardedWatching::follow_view() {
   }
 }
 
-/// The newest map all of whose shards are watched, and told of this.
-std::string ShardedWatching::watched_map() const {
-  for (std::size_t shard = 0; shard < shards_.size(); ++shard) {
-    const bool is_held = (view_->held.all() & shards::set_of(shard)) != 0;
-    if (is_held && !shards_[shard].now) return told_map_;
-  }
-  return shards::fingerprint_text(view_->held_by);
+/// What a shard has decided and this has heard; nothing if it is silent or not in step.
+std::optional<SettledTime> ShardedWatching::settled_of(std::size_t shard) const {
+  const std::unique_ptr<Watch::State>& watch = shards_[shard].watch;
+  if (!watch || !watch->health().connected || !links_->answers(shard)) return std::nullopt;
+  return watch->feed().settled();
 }
 
-/// A round: how far has each shard come? What all had decided in the round before may be told once what each one has told
-/// by now has been heard: what a shard was given before another went on is in that. While a shard is silent that a standby
-/// may be replacing, nothing is told; what the standby has told by then counts from the round after.
-void ShardedWatching::ask_all() {
-  nanoseconds all_decided = nanoseconds::max();
-  for (const WatchedShard& shard : shards_) {
-    if (shard.now) all_decided = std::min(all_decided, shard.now->settled);
+/// Returns false while another server may be taking the shard's place: until then, nothing can be settled.
+bool ShardedWatching::look_at(std::size_t shard) {
+  WatchedShard& watched = shards_[shard];
+  if (!watched.watch) watch_new(shard);
+  if (const std::optional<SettledTime> now = settled_of(shard)) {
+    const bool is_replaced = watched.settled && watched.settled->life != now->life;
+    watched.settled = now;
+    watched.there = Clock::now();
+    there_ |= shards::set_of(shard);
+    return !is_replaced;
   }
+  if (!watched.settled) return true;
+  if (Clock::now() - watched.there < links_->replaced_within(shard)) return false;
+  watched.settled.reset();
+  ++gaps_;
+  return true;
+}
+
+/// What all shards have decided may be passed on once each one has sent a watermark after that: a shard without publishers
+/// follows its clock, and what it was given before another shard went on is among its events by then. A shard that has
+/// come, gone or been replaced since did not send that watermark.
+void ShardedWatching::settle() {
   const shards::ShardSet before = std::exchange(there_, 0);
-  told_map_ = watched_map();
   bool is_any_awaited = false;
-  for (std::size_t shard = 0; shard < shards_.size(); ++shard) {
-    if ((view_->held.all() & shards::set_of(shard)) == 0) continue;
-    WatchedShard& watched = shards_[shard];
-    if (!watched.watch) watch_new(shard);
-    if (const std::optional<ShardProgress> said = ask(shard)) {
-      const bool is_replaced = watched.now && watched.now->told.epoch != said->told.epoch;
-      is_any_awaited = is_any_awaited || is_replaced;
-      watched.now = said;
-    } else if (watched.now && Clock::now() - watched.there < links_->replaced_within(shard)) {
-      is_any_awaited = true;
-    } else if (watched.now) {
-      watched.now.reset();
-      ++gaps_;
-    }
-    if (watched.now) there_ |= shards::set_of(shard);
-  }
-  // One that has come or gone since then was not in that round.
-  const bool is_same = before == there_ && !is_any_awaited && all_decided != nanoseconds::max();
-  may_settle_ = is_same ? std::optional(all_decided) : std::nullopt;
-}
-
-/// Since the newest round a shard has fallen silent, or another server has taken its place.
-bool ShardedWatching::is_outdated() const {
-  return std::ranges::any_of(shards_, [](const WatchedShard& shard) {
-    if (!shard.now) return false;
-    const std::optional<EventPlace> through = shard.watch->feed().told_through();
-    return !shard.watch->health().connected || (through && through->epoch > shard.now->told.epoch);
+  SettledByAll all{.to = nanoseconds::max(), .came = {}};
+  Clock::time_point oldest = Clock::time_point::max();
+  shards::for_each_place(view_->held.all(), [&](std::size_t shard) {
+    is_any_awaited = !look_at(shard) || is_any_awaited;
+    const std::optional<SettledTime>& settled = shards_[shard].settled;
+    if (!settled) return;
+    all.to = std::min(all.to, settled->to);
+    all.came = std::max(all.came, settled->came);
+    oldest = std::min(oldest, settled->came);
   });
+  take_heard();
+  if (is_any_awaited || there_ != before) to_settle_.clear();
+  if (is_any_awaited || there_ == 0) return;
+  std::optional<nanoseconds> decided;
+  for (; !to_settle_.empty() && oldest > to_settle_.front().came; to_settle_.pop_front())
+    decided = to_settle_.front().to;
+  if (to_settle_.empty() || all.to > to_settle_.back().to) to_settle_.push_back(all);
+  if (!decided) return;
+  merge_.settle(*decided);
+  settled_ns_ = std::max<std::int64_t>(settled_ns_, decided->count());
+  open_contacts_ = merge_.open_contacts();
 }
 
-bool ShardedWatching::has_heard_all() const {
-  return std::ranges::all_of(shards_, [](const WatchedShard& shard) {
-    if (!shard.now) return true;
-    const std::optional<EventPlace> through = shard.watch->feed().told_through();
-    return through && through->epoch == shard.now->told.epoch && through->sequence >= shard.now->told.sequence;
+/// While a shard is split, the servers learn which map this watches: the newest one all of whose shards are in step.
+void ShardedWatching::report_map() {
+  if (there_ == view_->held.all()) watched_map_ = shards::fingerprint_text(view_->held_by);
+  if (view_->asked.all() == view_->held.all() || Clock::now() - reported_ < kMapReport) return;
+  reported_ = Clock::now();
+  shards::for_each_place(there_, [&](std::size_t shard) {
+    const std::shared_ptr<Connection> connection = links_->connection(shard);
+    if (connection)
+      static_cast<void>(command(*connection, wire_contract::command::kWatching,
+                                {{"watch", number_}, {"map", watched_map_}}, kMapReport));
   });
 }
 
@@ -155,25 +163,9 @@ void ShardedWatching::watch_new(std::size_t shard) {
     const std::lock_guard lock(heard_mutex_);
     heard_.push_back({shard, event});
   };
-  Result<std::unique_ptr<Watch::State>> watch =
-      Watch::State::start(links_->connection(shard), {.only = options_.only, .skip = options_.skip}, callback);
+  Result<std::unique_ptr<Watch::State>> watch = Watch::State::start(
+      links_->connection(shard), {.only = options_.only, .skip = options_.skip}, callback, [this] { note_news(); });
   if (watch) shards_[shard].watch = std::move(*watch);
-}
-
-std::optional<ShardedWatching::ShardProgress> ShardedWatching::ask(std::size_t shard) {
-  WatchedShard& watched = shards_[shard];
-  if (!watched.watch || !watched.watch->health().in_step || !links_->answers(shard)) return std::nullopt;
-  const Result<std::string> answer = command(*links_->connection(shard), wire_contract::command::kSettled,
-                                             {{"watch", number_}, {"map", told_map_}}, kAskTimeout);
-  const bool is_late = !answer && answer.error().code == ErrorCode::timeout && links_->answers(shard);
-  if (answer || is_late) watched.there = Clock::now();
-  if (!answer) return std::nullopt;
-  const nlohmann::json said = nlohmann::json::parse(*answer, nullptr, false);
-  if (!said.is_object()) return std::nullopt;
-  return ShardProgress{.settled = nanoseconds(said.value("settled_ns", std::int64_t{0})),
-                       .told = {said.value("epoch", std::uint64_t{0}), said.value("event_sequence", std::uint64_t{0})},
-                       .heir_of = said.value("heir_of", std::uint64_t{0}),
-                       .told_from = said.value("told_from", std::uint64_t{0})};
 }
 
 void ShardedWatching::count_gaps(std::size_t shard) {
@@ -189,14 +181,11 @@ void ShardedWatching::count_gaps(std::size_t shard) {
 void ShardedWatching::judge_life_change(WatchedShard& watched) {
   const LifeChange change = watched.watch->feed().life_change();
   if (change.changes == watched.life_changes) return;
-  const std::optional<EventPlace> through = watched.watch->feed().told_through();
-  const bool is_heard = watched.now && watched.now->told.epoch == change.now.epoch && through &&
-                        through->epoch == change.now.epoch && through->sequence >= watched.now->told.sequence;
-  // Where it does not answer at all, that is counted when it is given up.
-  if (!is_heard) return;
-  const ShardProgress& said = *watched.now;
+  // Where it does not come in step at all, that is counted when it is given up.
+  if (!watched.settled || watched.settled->life != change.now) return;
+  const SettledTime& settled = *watched.settled;
   const bool tells_all =
-      said.heir_of != 0 && said.heir_of == change.before.server && change.heard_from <= said.told_from;
+      settled.heir_of != 0 && settled.heir_of == change.before.server && change.heard_from <= settled.told_from;
   gaps_ += change.changes - std::exchange(watched.life_changes, change.changes) - (tells_all ? 1 : 0);
 }
 

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
+#include <deque>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -19,8 +20,8 @@
 
 namespace collided::client {
 
-/// A watch of each shard, and a thread that asks each one again and again how far it has decided. What every shard has
-/// decided, and told by the next time that it is asked, goes through EpisodeMerge to next().
+/// A watch of each shard, and a thread that merges what they report. What every shard has decided, by the watermarks among
+/// its events, goes through EpisodeMerge to next().
 class [[gnu::visibility("hidden")]] ShardedWatching : public Subscription<Event>::Source {
  public:
   ShardedWatching(std::shared_ptr<ShardLinks> links, const WatchOptions& options);
@@ -32,19 +33,17 @@ class [[gnu::visibility("hidden")]] ShardedWatching : public Subscription<Event>
   std::size_t open_contacts() const { return open_contacts_; }
 
  private:
-  /// How far a shard had come when it was asked.
-  struct ShardProgress {
-    std::chrono::nanoseconds settled{0};
-    EventPlace told;
-    std::uint64_t heir_of = 0;    // the server whose place it has taken; 0: it has taken none
-    std::uint64_t told_from = 0;  // the first event that it has told since
-  };
   struct WatchedShard {
     std::unique_ptr<Watch::State> watch;  // null: it was never there
-    std::optional<ShardProgress> now;     // by the newest round in which it answered; none: it is away
-    Clock::time_point there;              // when it last answered, or was heard although its answer was late
+    std::optional<SettledTime> settled;   // none: it is away
+    Clock::time_point there;              // when it was in step last
     std::uint64_t gaps = 0;               // of the watch, that are in gaps_
     std::uint64_t life_changes = 0;       // of the server, that were judged
+  };
+  /// The least of all shards' watermarks, which counts once each shard has sent another one.
+  struct SettledByAll {
+    std::chrono::nanoseconds to{0};
+    Clock::time_point came;  // the newest of them
   };
   struct ShardEvent {
     std::size_t shard = 0;
@@ -52,17 +51,17 @@ class [[gnu::visibility("hidden")]] ShardedWatching : public Subscription<Event>
   };
 
   void run();
+  void note_news();
   void take_heard();
   void follow_view();
   void watch_new(std::size_t shard);
-  std::string watched_map() const;
-  std::optional<ShardProgress> ask(std::size_t shard);
-  void ask_all();
-  bool is_outdated() const;
-  bool has_heard_all() const;
+  std::optional<SettledTime> settled_of(std::size_t shard) const;
+  bool look_at(std::size_t shard);
+  void settle();
+  void report_map();
   void count_gaps(std::size_t shard);
   void judge_life_change(WatchedShard & watched);
-  bool sleep();
+  bool wait_for_news();
 
   const std::shared_ptr<ShardLinks> links_;
   const WatchOptions options_;
@@ -70,18 +69,19 @@ class [[gnu::visibility("hidden")]] ShardedWatching : public Subscription<Event>
   // Before the watches, so that they are destroyed after them: the threads of the watches call back into these.
   std::mutex heard_mutex_;
   std::vector<ShardEvent> heard_;  // since the merge took them last
+  std::condition_variable news_came_;
+  bool has_news_ = false;
+  bool is_over_ = false;
   // Of the thread.
   std::shared_ptr<const ShardView> view_;
-  std::vector<WatchedShard> shards_;                    // by place in the view
-  std::string told_map_;                                // fingerprint of the newest map all of whose shards are watched
-  shards::ShardSet there_ = 0;                          // shards that answered in the newest round
-  std::optional<std::chrono::nanoseconds> may_settle_;  // by the round before
+  std::vector<WatchedShard> shards_;    // by place in the view
+  std::string watched_map_;             // fingerprint of the newest map all of whose shards are watched
+  Clock::time_point reported_;          // when servers were told of that last
+  shards::ShardSet there_ = 0;          // shards in step
+  std::deque<SettledByAll> to_settle_;  // ascending
   EpisodeMerge merge_;
 
   EventQueue<Event> events_;
-  std::mutex over_mutex_;
-  std::condition_variable over_came_;
-  bool is_over_ = false;
   std::atomic<std::int64_t> settled_ns_{0};
   std::atomic<std::uint64_t> gaps_{0};
   std::atomic<std::size_t> open_contacts_{0};

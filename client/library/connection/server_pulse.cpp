@@ -123,6 +123,11 @@ bool ServerPulse::may_have_heir() const {
 
 bool ServerPulse::silent() const { return Clock::now() - last_heard() > nanoseconds(wire_contract::kStatusLostNs); }
 
+nanoseconds ServerPulse::settled() const {
+  const std::lock_guard lock(mutex_);
+  return nanoseconds(newest_->settled_ns);
+}
+
 std::optional<ServerStatus> ServerPulse::status() const {
   const std::lock_guard lock(mutex_);
   if (count_ == 0) { return std::nullopt; }

@@ -62,6 +62,8 @@ class ServerPulse {
   /// readers and the messages in flight to them.
   std::uint64_t outages() const { return outages_.load(std::memory_order_acquire); }
 
+  /// World time up to which the server has decided every contact, by the newest status; 0 before the first one.
+  std::chrono::nanoseconds settled() const;
   /// The newest status; nothing before the first one.
   std::optional<ServerStatus> status() const;
   /// A publisher according to the newest status; nothing if it is not listed.

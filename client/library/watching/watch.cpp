@@ -25,17 +25,19 @@ Watch::State& Watch::state() const { return static_cast<State&>(source()); }
 std::size_t Watch::open_contacts() const { return state().open_contacts(); }
 std::chrono::nanoseconds Watch::tells_since() const { return state().tells_since(); }
 
-Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback)
+Watch::State::State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback,
+                    std::function<void()> heard)
     : options_(options),
       callback_(std::move(callback)),
       events_(options.capacity),
       feed_(
-          std::move(connection), [this](const Event& event) { emit(event); }, options.persisted) {}
+          std::move(connection), [this](const Event& event) { emit(event); }, options.persisted, std::move(heard)) {}
 
 Result<std::unique_ptr<Watch::State>> Watch::State::start(std::shared_ptr<client::Connection> connection,
-                                                          const WatchOptions& options, Callback callback) {
+                                                          const WatchOptions& options, Callback callback,
+                                                          std::function<void()> heard) {
   try {
-    std::unique_ptr<State> state(new State(connection, options, std::move(callback)));
+    std::unique_ptr<State> state(new State(connection, options, std::move(callback), std::move(heard)));
     if (auto error = state->feed_.wait_for_server()) { return *error; }
     // The readers are already active: new messages are queued. An event that is also in the recording counts once, by
     // its sequence number.

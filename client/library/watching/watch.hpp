@@ -14,8 +14,10 @@ namespace collided {
 /// A watch of contacts: calls the callback or queues the events for next().
 struct [[gnu::visibility("hidden")]] Watch::State : Subscription<Event>::Source {
   using Callback = std::function<void(const Event&)>;
+  /// heard  as of WatchFeed
   static Result<std::unique_ptr<State>> start(std::shared_ptr<client::Connection> connection,
-                                              const WatchOptions& options, Callback callback);
+                                              const WatchOptions& options, Callback callback,
+                                              std::function<void()> heard = {});
 
   std::optional<Event> next(std::chrono::nanoseconds wait) override { return events_.next(wait); }
   SubscriptionHealth health() const override { return feed_.health(events_.lost()); }
@@ -24,7 +26,8 @@ struct [[gnu::visibility("hidden")]] Watch::State : Subscription<Event>::Source 
   std::chrono::nanoseconds tells_since() const { return tells_since_; }
 
  private:
-  State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback);
+  State(std::shared_ptr<client::Connection> connection, const WatchOptions& options, Callback callback,
+        std::function<void()> heard);
   // Fetches the flight recorder and takes its events since that time into recorded_.
   std::optional<Error> hear_recorded(client::Connection & connection, std::chrono::nanoseconds since);
   // Passes an event on if it is wanted: to recorded_, the callback or the queue.

@@ -153,7 +153,8 @@ bool take_event(const wire::StandingFrame& frame, std::size_t index, const Names
 std::optional<HeardFrame> decode(const wire::EventFrame& frame, Names& names) {
   if (!fits(frame)) { return std::nullopt; }
   names.learn(dds::view(frame.named_ids), dds::view(frame.names));
-  HeardFrame heard{{frame.server, frame.epoch}, frame.first_sequence, {}, frame.version == 0};
+  HeardFrame heard{
+      {frame.server, frame.epoch}, frame.first_sequence, {}, frame.version == 0, nanoseconds(frame.settled_ns)};
   heard.entries.reserve(frame.kinds._length);
   for (std::size_t i = 0; i < frame.kinds._length; ++i) {
     Event event = decode_pair(frame, i, names);
@@ -185,7 +186,11 @@ HeardBookmark decode(const wire::Status& status) {
           .contact_count = status.contact_count,
           .contact_hash = status.contact_hash,
           .world_time = nanoseconds(status.world_time_ns),
-          .settled = is_settled(status.state)};
+          .settled = is_settled(status.state),
+          // While a step lasts, the status from before it is repeated.
+          .settled_to = nanoseconds(wire::busy_ns(status) > 0 ? 0 : status.settled_ns),
+          .heir_of = status.heir_of,
+          .told_from = status.told_from};
 }
 
 std::optional<HeardFrameOf<StandingNews>> decode(const wire::StandingFrame& frame, Names& names) {

@@ -15,9 +15,11 @@ constexpr std::size_t kMostMessages = 8'192;
 }  // namespace
 
 template <class News>
-WatchFeed<News>::WatchFeed(std::shared_ptr<Connection> connection, Emit emit, bool persisted)
+WatchFeed<News>::WatchFeed(std::shared_ptr<Connection> connection, Emit emit, bool persisted,
+                           std::function<void()> heard)
     : connection_(std::move(connection)),
       state_(std::move(emit)),
+      heard_(std::move(heard)),
       frame_topic_(connection_->participant(), connection_->options().name_space, WireOf<News>::kFrames),
       shard_topic_(connection_->participant(), connection_->options().name_space, WireOf<News>::kShards) {
   using Frames = dds::Taker<Frame>;
@@ -34,6 +36,12 @@ WatchFeed<News>::WatchFeed(std::shared_ptr<Connection> connection, Emit emit, bo
   shard_reader_.emplace(shard_topic_, dds::ReaderOptions<Shard>{.data = [this](dds::Taker<Shard>) {
                           take<ShardPointer>(shard_reader_, shards_);
                         }});
+  if (heard_) {
+    watermark_topic_.emplace(connection_->participant(), connection_->options().name_space,
+                             wire_contract::kWatermarkTopic);
+    watermark_reader_.emplace(*watermark_topic_,
+                              FrameReader{.data = [this](Frames) { take<FramePointer>(watermark_reader_, frames_); }});
+  }
   has_readers_.store(true);
   if (persisted) take<PersistedFrame>(persisted_reader_, frames_);
   take<FramePointer>(frame_reader_, frames_);
@@ -66,6 +74,7 @@ template <class News>
 WatchFeed<News>::~WatchFeed() {
   if (status_observer_) { connection_->pulse().stop_observing(*status_observer_); }
   persisted_reader_.reset();
+  watermark_reader_.reset();
   frame_reader_.reset();
   shard_reader_.reset();
   if (!thread_.joinable()) { return; }
@@ -97,7 +106,7 @@ void WatchFeed<News>::queue(Message message) {
   {
     const std::lock_guard lock(messages_mutex_);
     if (messages_.size() >= kMostMessages) { return; }
-    messages_.push_back(std::move(message));
+    messages_.emplace_back(std::move(message), Clock::now());
   }
   message_came_.notify_one();
 }
@@ -108,38 +117,40 @@ void WatchFeed<News>::work() {
     std::unique_lock lock(messages_mutex_);
     message_came_.wait(lock, [this] { return ending_ || !messages_.empty(); });
     if (ending_) { return; }
-    Message message = std::move(messages_.front());
+    auto [message, came] = std::move(messages_.front());
     messages_.pop_front();
     lock.unlock();
-    hear(message);
+    hear(message, came);
     resyncs_ = state_.resyncs();
     gaps_ = state_.gaps();
     in_step_ = state_.in_step();
-    const std::lock_guard told_lock(told_mutex_);
-    told_through_ = state_.emitted_through();
-    life_change_ = state_.life_change();
+    {
+      const std::lock_guard told_lock(told_mutex_);
+      settled_ = state_.settled();
+      life_change_ = state_.life_change();
+    }
+    if (heard_) heard_();
   }
 }
 
 template <class News>
-void WatchFeed<News>::hear(Message& message) {
-  const Clock::time_point now = Clock::now();
+void WatchFeed<News>::hear(Message& message, Clock::time_point came) {
   if (auto* const frame = std::get_if<FramePointer>(&message)) {
-    if (const auto heard = decode(***frame, connection_->names())) { state_.hear(*heard, now); }
+    if (const auto heard = decode(***frame, connection_->names())) { state_.hear(*heard, came); }
     frames_.put(std::move(*frame));
   } else if (auto* const persisted = std::get_if<PersistedFrame>(&message)) {
     if (const auto heard = decode(**persisted->sample, connection_->names())) { state_.hear_persisted(*heard); }
     frames_.put(std::move(persisted->sample));
   } else if (auto* const shard = std::get_if<ShardPointer>(&message)) {
     if (const auto bookmark = bookmark_in(***shard)) {
-      // DDS keeps the newest sum for late joiners; it may be older than the other samples that DDS keeps.
-      if (std::exchange(has_sum_, true)) state_.hear(*bookmark, now);
+      // DDS keeps the newest sum for whoever joins, and it may be from before what else DDS keeps.
+      if (std::exchange(has_sum_, true)) state_.hear(*bookmark, came);
     } else if (const auto heard = decode(***shard, connection_->names())) {
-      state_.hear(*heard, now);
+      state_.hear(*heard, came);
     }
     shards_.put(std::move(*shard));
   } else {
-    state_.hear(std::get<HeardBookmark>(message), now);
+    state_.hear(std::get<HeardBookmark>(message), came);
   }
 }
 

@@ -24,8 +24,10 @@ template <class News>
 class WatchFeed {
  public:
   using Emit = typename WatchStateOf<News>::Emit;
-  /// persisted  also reads persisting contacts, which costs the server work
-  WatchFeed(std::shared_ptr<Connection> connection, Emit emit, bool persisted = false);
+  /// persisted  reads contacts that go on, too, which costs the server work
+  /// heard      reads watermarks, too; called after each message, on the feed's thread
+  WatchFeed(std::shared_ptr<Connection> connection, Emit emit, bool persisted = false,
+            std::function<void()> heard = {});
   ~WatchFeed();
 
   /// Waits until the readers are matched. Only later bookmarks count: events after an earlier one could be missed.
@@ -38,10 +40,10 @@ class WatchFeed {
   SubscriptionHealth health(std::uint64_t lost) const {
     return {.lost = lost, .resyncs = resyncs_, .connected = !connection_->pulse().silent(), .in_step = in_step_};
   }
-  /// WatchState::emitted_through(), after the emission of those events.
-  std::optional<EventPlace> told_through() const {
+  /// WatchState::settled(): those events have been passed on.
+  std::optional<SettledTime> settled() const {
     const std::lock_guard lock(told_mutex_);
-    return told_through_;
+    return settled_;
   }
   /// WatchState::gaps().
   std::uint64_t gaps() const { return gaps_; }
@@ -68,15 +70,16 @@ class WatchFeed {
   // Queues a message for the thread, which runs work().
   void queue(Message message);
   void work();
-  void hear(Message& message);
+  void hear(Message& message, Clock::time_point came);
 
   std::shared_ptr<Connection> connection_;
   WatchStateOf<News> state_;
+  const std::function<void()> heard_;
   std::atomic<std::uint64_t> resyncs_{0};
   std::atomic<std::uint64_t> gaps_{0};
   std::atomic<bool> in_step_{false};
   mutable std::mutex told_mutex_;
-  std::optional<EventPlace> told_through_;
+  std::optional<SettledTime> settled_;
   LifeChange life_change_;
 
   std::atomic<bool> has_readers_{false};
@@ -85,15 +88,17 @@ class WatchFeed {
   ShardPool shards_;
   std::mutex messages_mutex_;
   std::condition_variable message_came_;
-  std::deque<Message> messages_;
+  std::deque<std::pair<Message, Clock::time_point>> messages_;  // and when they came
   bool ending_ = false;
   bool has_sum_ = false;  // for standing questions: a sum was received; used only by the thread
 
   dds::Topic<Frame> frame_topic_;
   dds::Topic<Shard> shard_topic_;
   std::optional<dds::Topic<Frame>> persisted_topic_;
+  std::optional<dds::Topic<Frame>> watermark_topic_;
   std::optional<dds::Reader<Frame>> frame_reader_;
   std::optional<dds::Reader<Frame>> persisted_reader_;
+  std::optional<dds::Reader<Frame>> watermark_reader_;
   std::optional<dds::Reader<Shard>> shard_reader_;
   std::optional<int> status_observer_;
   std::thread thread_;

@@ -113,6 +113,8 @@ void WatchStateOf<News>::start_life(const ServerLife& life) {
     life_change_ = {.changes = life_change_.changes + 1, .before = *life_, .now = life, .heard_from = 0};
   }
   life_ = life;
+  settled_ = {};
+  settled_.life = life;
   applied_ = run_start_ = 0;
   shards_ = {};
   recent_.clear();
@@ -137,6 +139,14 @@ void WatchStateOf<News>::note_heard_from(std::uint64_t sequence) {
 template <class News>
 void WatchStateOf<News>::note_gap() {
   if (!std::exchange(has_gap_, true)) { ++gaps_; }
+}
+
+/// Takes a watermark, unless one of the events that it counts on has yet to come: the frame with that has another one.
+template <class News>
+void WatchStateOf<News>::note_settled(std::chrono::nanoseconds to, std::uint64_t through, Clock::time_point now) {
+  if (to.count() == 0 || through > applied_ || !in_step()) { return; }
+  settled_.to = std::max(settled_.to, to);
+  settled_.came = now;
 }
 
 template <class News>
@@ -209,6 +219,7 @@ void WatchStateOf<News>::hear(const HeardFrameOf<News>& frame, Clock::time_point
       if (mode_ != Mode::starting && !was_told(entry.event, last.event, frame.is_again)) { apply(entry.event); }
     }
   }
+  note_settled(frame.settled_to, sequence - 1, now);
 }
 
 template <class News>
@@ -424,6 +435,9 @@ void WatchStateOf<News>::hear(const HeardBookmark& bookmark, Clock::time_point n
     if (hash != bookmark.contact_hash || held_.size() != bookmark.contact_count) { doubt(); }
   }
   try_adopt();
+  settled_.heir_of = bookmark.heir_of;
+  settled_.told_from = bookmark.told_from;
+  note_settled(bookmark.settled_to, bookmark.last_event_sequence, now);
 }
 
 template <class News>

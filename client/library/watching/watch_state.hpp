@@ -24,13 +24,7 @@ struct ServerLife {
   bool operator==(const ServerLife&) const = default;
 };
 
-/// An event of a server, by its number.
-struct EventPlace {
-  std::uint64_t epoch = 0;
-  std::uint64_t sequence = 0;
-};
-
-/// The transition from one run of a server to the next, as observed.
+/// How one run of a server was heard to follow another.
 struct LifeChange {
   std::uint64_t changes = 0;  // number of transitions, including this one; 0: none
   ServerLife before;
@@ -46,8 +40,17 @@ std::pair<std::string, std::string> names_of(const Event& event);
 inline auto place_of(const Event& event) { return names_of(event); }
 void take_names(const Event& from, Event& to);
 
-/// A frame of events, each of kind began or ended, or persisted on the topic of persisting contacts. Event i has the
-/// sequence number first_sequence + i; joined entries share one number.
+/// Up to which world time a server has decided, where all its events until then have been emitted.
+struct SettledTime {
+  std::chrono::nanoseconds to{0};
+  Clock::time_point came;  // the newest watermark
+  ServerLife life;
+  std::uint64_t heir_of = 0;    // the server whose place that one has taken; 0: none
+  std::uint64_t told_from = 0;  // the number of its first event since then
+};
+
+/// A frame of events, each of kind began or ended; on the topic of contacts that go on, persisted. Event i has the
+/// sequence number first_sequence + i, but those that are joined have one together.
 template <class News>
 struct HeardFrameOf {
   ServerLife from;
@@ -58,7 +61,8 @@ struct HeardFrameOf {
     bool joins_next = false;  // the next entry is a part of the same event; for standing questions
   };
   std::vector<Entry> entries;
-  bool is_again = false;  // the sender's predecessor may already have published them
+  bool is_again = false;                   // a server whose place the sender has taken may have told them
+  std::chrono::nanoseconds settled_to{0};  // watermark: no later event is older; 0: none
 
   std::size_t event_count() const {
     return static_cast<std::size_t>(std::ranges::count(entries, false, &Entry::joins_next));
@@ -84,7 +88,10 @@ struct HeardBookmark {
   std::uint32_t contact_count = 0;
   std::uint64_t contact_hash = 0;
   std::chrono::nanoseconds world_time{0};
-  bool settled = true;  // false while a restarted server waits for its publishers
+  bool settled = true;                     // false while a restarted server waits for its publishers
+  std::chrono::nanoseconds settled_to{0};  // watermark, as in a frame
+  std::uint64_t heir_of = 0;               // as in SettledTime
+  std::uint64_t told_from = 0;
 };
 
 /// Turns a server's messages (frames of events, shards of the contact state, bookmarks) into events, each once and in
@@ -113,9 +120,9 @@ class WatchStateOf {
   void hear_persisted(const HeardFrameOf<News>& frame);
 
   bool in_step() const { return mode_ == Mode::in_step; }
-  /// The event, with its epoch, up to which everything has been emitted; nothing while it is not in step.
-  std::optional<EventPlace> emitted_through() const {
-    return in_step() ? std::optional(EventPlace{life_->epoch, applied_}) : std::nullopt;
+  /// Nothing while it is not in step, or has no watermark of the server's present life.
+  std::optional<SettledTime> settled() const {
+    return in_step() && settled_.to.count() != 0 ? std::optional(settled_) : std::nullopt;
   }
   std::uint64_t resyncs() const { return resyncs_; }
   /// Number of gaps within the life of a server, or found in the next life.
@@ -139,6 +146,7 @@ class WatchStateOf {
   void start_life(const ServerLife& life);
   void note_heard_from(std::uint64_t sequence);
   void note_gap();
+  void note_settled(std::chrono::nanoseconds to, std::uint64_t through, Clock::time_point now);
   void doubt();
 
   /// The last reported changes of a pair.
@@ -186,6 +194,7 @@ class WatchStateOf {
   std::uint64_t gaps_ = 0;
   bool has_gap_ = false;  // counted in gaps_, and not resolved yet
   LifeChange life_change_;
+  SettledTime settled_;
   std::optional<ServerLife> life_;
   Clock::time_point last_heard_;
 

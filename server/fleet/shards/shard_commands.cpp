@@ -36,7 +36,7 @@ class ShardCommands : public CommandFamily {
  private:
   json shard();
   json hand_over(const Arguments& arguments) const;
-  json settled(const CommandAsk& ask, const Arguments& arguments);
+  json watching(const CommandAsk& ask, const Arguments& arguments);
   json succession(const CommandAsk& ask, const Arguments& arguments);
   void succeed(shards::MapSuccession next);
 
@@ -54,7 +54,7 @@ std::unique_ptr<CommandFamily> shard_commands(CommandContext& context, FleetComm
 
 std::vector<BoundCommand> ShardCommands::commands() {
   return {on_asking_thread(names::kShard, this, &ShardCommands::shard),
-          on_world_thread(names::kSettled, this, &ShardCommands::settled),
+          on_world_thread(names::kWatching, this, &ShardCommands::watching),
           on_world_thread(names::kSuccession, this, &ShardCommands::succession),
           on_asking_thread(names::kHandOver, this, &ShardCommands::hand_over)};
 }
@@ -63,18 +63,9 @@ json ShardCommands::hand_over(const Arguments& arguments) const {
   return {{"to", fleet_.hand_over(arguments.text("to"))}};
 }
 
-json ShardCommands::settled(const CommandAsk& ask, const Arguments& arguments) {
-  if (with_.shard != nullptr && arguments.has("watch"))
-    shard_watchers_.heard(ask.client, arguments.whole("watch"), arguments.text("map"), steady_ns());
-  const SnapshotRing::Lease newest = with_.loop.world().newest();
-  json answer{{"settled_ns", with_.loop.settled_ns()},
-              {"event_sequence", with_.loop.world().last_event_sequence()},
-              {"epoch", newest->epoch}};
-  if (const std::uint64_t predecessor = fleet_.predecessor(); predecessor != 0) {
-    answer["heir_of"] = predecessor;
-    answer["told_from"] = with_.loop.told_from();
-  }
-  return answer;
+json ShardCommands::watching(const CommandAsk& ask, const Arguments& arguments) {
+  shard_watchers_.heard(ask.client, arguments.whole("watch"), arguments.text("map"), steady_ns());
+  return json::object();
 }
 
 json ShardCommands::shard() {

@@ -15,10 +15,9 @@ struct FleetCommands {
   std::int64_t replaced_within_ns = 0;  // of a shard: so long its place may be empty between it and a standby
   /// The name of the server that takes this one's place, by the name that was asked for, or any; throws BadCommand.
   std::function<std::string(const std::string&)> hand_over;
-  std::function<std::uint64_t()> predecessor;  // the server whose place this one has taken; 0: none
 };
 
-/// `shard`, `settled`, `succession` and `hand_over`.
+/// `shard`, `watching`, `succession` and `hand_over`.
 std::unique_ptr<CommandFamily> shard_commands(CommandContext& context, FleetCommands fleet);
 
 }  // namespace collided::engine::service

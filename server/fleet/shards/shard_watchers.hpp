@@ -9,8 +9,8 @@
 
 namespace collided::engine::service {
 
-/// Who watches this shard together with others, and by which map: such a watch asks again and again how far the shard has
-/// decided. So it is known before a shard is split whether all of them watch the new shards.
+/// The watches of this shard together with others, and by which map they watch: each reports that twice a second while a
+/// shard is split. So it is known before the next map holds whether all of them watch the new shards.
 ///
 /// threads  any
 class ShardWatchers {
@@ -19,7 +19,7 @@ class ShardWatchers {
     std::size_t all = 0;     // heard within kLast
     std::size_t behind = 0;  // that do not watch by the map asked about
   };
-  static constexpr std::int64_t kLast = 3'000'000'000;  // ns; a watch asks fifty times a second
+  static constexpr std::int64_t kLast = 3'000'000'000;  // ns; a watch reports twice a second
   static constexpr std::size_t kMost = 65'536;          // beyond it they count, and nobody knows what they watch
 
   /// client, watch  whose it is, and its number there

@@ -7,18 +7,21 @@ namespace collided::engine::service {
 void Broadcast::publish(FunctionRef<bool(ObjectId)> is_merged) {
   const SnapshotRing::Lease state = world_.newest();
   const Stamp stamp{.version = state->version, .world_time_ns = state->world_time_ns};
-  publish_events(stamp, is_merged);
+  publish_events(stamp, state->settled_ns, is_merged);
   publish_contacts(stamp);
 }
 
 /// Frames go before shards: a subscriber that joins between the two gets an event twice rather than never.
-void Broadcast::publish_events(const Stamp& stamp, FunctionRef<bool(ObjectId)> is_merged) {
+void Broadcast::publish_events(const Stamp& stamp, std::int64_t settled_ns, FunctionRef<bool(ObjectId)> is_merged) {
   const auto name_of = [&](ObjectId id) { return names_.name(id); };
-  const auto send = [&](EventColumns& frame, bool persisted) {
+  // Of the frames of one step only the last one has all events up to that time.
+  Stamp last = stamp;
+  last.settled_ns = settled_ns;
+  const auto send = [&](EventColumns& frame, bool persisted, bool is_last = false) {
     if (frame.size() == 0) return;
     put_names(frame, name_of);
     if (persisted) event_writer_.write_persisted(frame, stamp);
-    else event_writer_.write_events(frame, stamp);
+    else event_writer_.write_events(frame, is_last ? last : stamp);
     wire::clear(frame);
   };
   wire::clear(events_);
@@ -38,7 +41,7 @@ void Broadcast::publish_events(const Stamp& stamp, FunctionRef<bool(ObjectId)> i
     if (!persisted) recent_.note(event, stamp.world_time_ns, names_.name(event.of.a), names_.name(event.of.b));
     if (frame.size() == wire_contract::kMaxEventsPerFrame) send(frame, persisted);
   }
-  send(events_, false);
+  send(events_, false, true);
   send(persisted_, true);
   for (const Event& event : world_.events()) {
     if (event.kind == EventKind::ended) names_.forget(event.of);

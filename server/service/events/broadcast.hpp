@@ -37,7 +37,7 @@ class Broadcast {
   const RecentEvents& recent() const { return recent_; }
 
  private:
-  void publish_events(const Stamp& stamp, FunctionRef<bool(ObjectId)> is_merged);
+  void publish_events(const Stamp& stamp, std::int64_t settled_ns, FunctionRef<bool(ObjectId)> is_merged);
   void publish_contacts(const Stamp& stamp);
 
   World& world_;

@@ -30,6 +30,7 @@ DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identi
       place_(place),
       event_topic_(participant, identity.name_space),
       persisted_topic_(participant, identity.name_space, wire_contract::kPersistedTopic),
+      watermark_topic_(participant, identity.name_space, wire_contract::kWatermarkTopic),
       contact_topic_(participant, identity.name_space),
       standing_event_topic_(participant, identity.name_space),
       standing_state_topic_(participant, identity.name_space),
@@ -38,6 +39,7 @@ DdsEventWriter::DdsEventWriter(const dds::Participant& participant, const Identi
       step_topic_(participant, identity.name_space, wire_contract::kStepTopic),
       event_writer_(event_topic_, counting(event_readers_)),
       persisted_writer_(persisted_topic_, counting(persisted_readers_)),
+      watermark_writer_(watermark_topic_, counting(watermark_readers_)),
       contact_writer_(contact_topic_, counting(contact_readers_)),
       standing_event_writer_(standing_event_topic_),
       standing_state_writer_(standing_state_topic_, counting(standing_readers_)),
@@ -86,6 +88,7 @@ void DdsEventWriter::write_frame(dds::Writer<Frame>& writer, Frame& frame, const
   frame.first_sequence = events.first_sequence;
   frame.version = stamp.version;
   frame.world_time_ns = stamp.world_time_ns;
+  if constexpr (requires { frame.settled_ns; }) frame.settled_ns = stamp.settled_ns;
   wire::lend(events, frame);
   write(writer, frame);
 }
@@ -118,6 +121,13 @@ void DdsEventWriter::write_events(const EventColumns& events, const Stamp& stamp
   if (is_quiet()) untold_.keep(events, stamp, steady_ns());
   write_frame(event_writer_, *frame_, events, stamp);
   note(recording::Recorded::event, *frame_);
+}
+
+void DdsEventWriter::write_watermark(std::uint64_t next_sequence, const Stamp& stamp) {
+  note_lapse();
+  EventColumns no_events;
+  no_events.first_sequence = next_sequence;
+  write_frame(watermark_writer_, *frame_, no_events, stamp);
 }
 
 void DdsEventWriter::write_persisted(const EventColumns& events, const Stamp& stamp) {
@@ -176,6 +186,9 @@ void DdsEventWriter::write_status(const StatusColumns& status) {
   status_->version = status.stamp.version;
   status_->world_time_ns = status.stamp.world_time_ns;
   status_->last_event_sequence = status.last_event_sequence;
+  status_->settled_ns = status.settled_ns;
+  status_->heir_of = status.heir_of;
+  status_->told_from = status.told_from;
   status_->contact_count = status.contact_count;
   status_->contact_hash = status.contact_hash;
   status_->contacts_truncated = status.contacts_truncated ? 1 : 0;

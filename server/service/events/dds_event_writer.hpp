@@ -40,8 +40,10 @@ class DdsEventWriter : public EventWriter {
   std::int64_t lapsed_ns() const { return is_silent_.load() ? 0 : lapsed_ns_.load(); }
   bool contacts_wanted() const override { return event_readers_.load() > 0 || contact_readers_.load() > 0; }
   bool persisted_wanted() const override { return persisted_readers_.load() > 0; }
+  bool watermarks_wanted() const override { return watermark_readers_.load() > 0 && !is_quiet(); }
   bool probes_wanted() const override { return probe_readers_.load() > 0; }
   void write_events(const EventColumns& events, const Stamp& stamp) override;
+  void write_watermark(std::uint64_t next_sequence, const Stamp& stamp) override;
   void write_persisted(const EventColumns& events, const Stamp& stamp) override;
   void write_contacts(const ContactColumns& contacts, const Stamp& stamp, std::uint64_t as_of_sequence) override;
   void write_probes(const ProbeColumns& probes, const Stamp& stamp) override;
@@ -81,15 +83,16 @@ class DdsEventWriter : public EventWriter {
   std::atomic<std::int64_t> lapsed_ns_{0};  // see lapsed_ns()
   UntoldEvents<EventColumns> untold_;       // while it is silent
   UntoldEvents<StandingColumns> untold_standing_;
-  dds::Topic<wire::EventFrame> event_topic_, persisted_topic_;
+  dds::Topic<wire::EventFrame> event_topic_, persisted_topic_, watermark_topic_;
   dds::Topic<wire::ContactShard> contact_topic_;
   dds::Topic<wire::StandingFrame> standing_event_topic_;
   dds::Topic<wire::StandingShard> standing_state_topic_;
   dds::Topic<wire::ProbeFrame> probe_topic_;
   dds::Topic<wire::Status> status_topic_, step_topic_;
-  std::atomic<std::uint32_t> event_readers_{0}, contact_readers_{0}, persisted_readers_{0}, probe_readers_{0};
+  std::atomic<std::uint32_t> event_readers_{0}, contact_readers_{0}, persisted_readers_{0}, probe_readers_{0},
+      watermark_readers_{0};
   std::atomic<std::uint32_t> step_readers_{0}, standing_readers_{0}, status_readers_{0};
-  dds::Writer<wire::EventFrame> event_writer_, persisted_writer_;
+  dds::Writer<wire::EventFrame> event_writer_, persisted_writer_, watermark_writer_;
   dds::Writer<wire::ContactShard> contact_writer_;
   dds::Writer<wire::StandingFrame> standing_event_writer_;
   dds::Writer<wire::StandingShard> standing_state_writer_;

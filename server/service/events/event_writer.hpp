@@ -14,6 +14,7 @@ namespace collided::engine::service {
 struct Stamp {
   std::uint64_t version = 0;
   std::int64_t world_time_ns = 0;
+  std::int64_t settled_ns = 0;  // watermark, of frames of events; 0: none
 };
 
 /// The part of a Status of collided.idl that changes; its fields are explained there.
@@ -21,6 +22,9 @@ struct StatusColumns : wire::StatusColumns {
   Stamp stamp;
   wire_contract::ServerState state = wire_contract::ServerState::starting;
   std::uint64_t last_event_sequence = 0;
+  std::int64_t settled_ns = 0;
+  std::uint64_t heir_of = 0;
+  std::uint64_t told_from = 0;
   std::uint32_t contact_count = 0;
   std::uint64_t contact_hash = 0;
   bool contacts_truncated = false;
@@ -60,6 +64,9 @@ class EventWriter {
   virtual bool probes_wanted() const = 0;
   /// Writes `began` and `ended` events; at most kMaxEventsPerFrame.
   virtual void write_events(const EventColumns& events, const Stamp& stamp) = 0;
+  virtual bool watermarks_wanted() const { return false; }  // watermarks without events have a reader
+  /// next_sequence  of the next event
+  virtual void write_watermark(std::uint64_t /*next_sequence*/, const Stamp&) {}
   /// Writes `persisted` events, which may be lost.
   virtual void write_persisted(const EventColumns& events, const Stamp& stamp) = 0;
   /// as_of_sequence  the last event that the contacts include

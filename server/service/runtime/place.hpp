@@ -99,7 +99,9 @@ class Place {
   /// World time from which on this server's states are complete. Nothing: the newest one may be incomplete, and no
   /// question is answered.
   virtual std::optional<std::int64_t> whole_since_ns() const { return std::numeric_limits<std::int64_t>::min(); }
-  /// Whether another server has taken over although this one was not asked to hand over.
+  /// The server whose place this one has taken; 0: none.
+  virtual std::uint64_t predecessor() const { return 0; }
+  /// Whether another server has taken this one's place without having been asked to.
   virtual bool has_given_way() const { return false; }
   /// Called when the server is about to end. True: it was asked to hand over, but no other server has taken over.
   virtual bool goes_on() { return false; }

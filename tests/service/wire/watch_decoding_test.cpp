@@ -171,6 +171,9 @@ TEST(WatchDecoding, ABookmarkIsThatOfItsStatus) {
   EXPECT_FALSE(settled(wire_contract::ServerState::recovering));
   EXPECT_TRUE(settled(wire_contract::ServerState::ready));
   EXPECT_TRUE(settled(wire_contract::ServerState::stopping));
+  status.settled_ns = 7;
+  status.heir_of = 8;
+  status.told_from = 9;
   const client::HeardBookmark bookmark = client::decode(status);
   EXPECT_EQ(bookmark.from.server, 1u);
   EXPECT_EQ(bookmark.from.epoch, 2u);
@@ -178,6 +181,9 @@ TEST(WatchDecoding, ABookmarkIsThatOfItsStatus) {
   EXPECT_EQ(bookmark.last_event_sequence, 4u);
   EXPECT_EQ(bookmark.contact_count, 5u);
   EXPECT_EQ(bookmark.contact_hash, 6u);
+  EXPECT_EQ(bookmark.settled_to, nanoseconds(7));
+  EXPECT_EQ(bookmark.heir_of, 8u);
+  EXPECT_EQ(bookmark.told_from, 9u);
 }
 
 }  // namespace

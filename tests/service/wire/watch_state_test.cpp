@@ -191,5 +191,44 @@ TEST_F(WatchStateTest, BookmarkThatDisagreesStartsAResync) {
   EXPECT_TRUE(state_.in_step());
 }
 
+// A watermark counts once the events that it counts on have come, and in the server's present life.
+TEST_F(WatchStateTest, AWatermarkWaitsForItsEvents) {
+  Model server(1);
+  const auto settled_at = [&](auto heard, std::int64_t to_ns) {
+    heard.settled_to = std::chrono::nanoseconds(to_ns);
+    hear(heard);
+    return state_.settled() ? state_.settled()->to.count() : 0;
+  };
+  const auto watermark = [&] {
+    HeardFrame none = server.began({9, 9});
+    none.entries.clear();
+    server.ended({9, 9});
+    return none;
+  };
+  EXPECT_EQ(settled_at(watermark(), 5), 0) << "nothing is known of what holds";
+  hear(server.bookmark());
+  EXPECT_FALSE(state_.settled()) << "the server's status had none";
+  const HeardFrame first = server.began({1, 2});
+  EXPECT_EQ(settled_at(server.bookmark(), 20), 0) << "of an event that has yet to come";
+  EXPECT_EQ(settled_at(first, 10), 10);
+  EXPECT_EQ(settled_at(server.bookmark(), 20), 20);
+  HeardFrame next = server.ended({1, 2});
+  next.entries.clear();
+  EXPECT_EQ(settled_at(next, 30), 30) << "a frame without events counts on those before it";
+  EXPECT_EQ(settled_at(next, 0), 30) << "a frame without a watermark";
+  const Clock::time_point came = state_.settled()->came;
+  EXPECT_EQ(settled_at(next, 25), 30) << "it does not go back";
+  EXPECT_GT(state_.settled()->came, came);
+  Model heir(2, 2);
+  HeardBookmark bookmark = heir.bookmark();
+  bookmark.heir_of = 1;
+  bookmark.told_from = 4;
+  for (std::uint8_t shard = 0; shard < 64; ++shard) hear(heir.shard(shard));
+  EXPECT_EQ(settled_at(bookmark, 15), 15);
+  EXPECT_EQ(state_.settled()->life, (ServerLife{2, 2}));
+  EXPECT_EQ(state_.settled()->heir_of, 1U);
+  EXPECT_EQ(state_.settled()->told_from, 4U);
+}
+
 }  // namespace
 }  // namespace collided

@@ -29,8 +29,18 @@ class BookKeeper : public EventWriter {
   bool contacts_wanted() const override { return true; }
   bool persisted_wanted() const override { return true; }
   bool probes_wanted() const override { return true; }
-  void write_events(const EventColumns& events, const Stamp&) override {
+  bool watermarks_wanted() const override { return wants_watermarks; }
+  void write_watermark(std::uint64_t next_sequence, const Stamp& stamp) override {
     const std::lock_guard lock(mutex);
+    EXPECT_EQ(next_sequence, last_sequence + 1);
+    EXPECT_GE(stamp.settled_ns, watermark_ns) << "nobody publishes, so time does not go back";
+    watermark_ns = stamp.settled_ns;
+    ++watermarks;
+    came.notify_all();
+  }
+  void write_events(const EventColumns& events, const Stamp& stamp) override {
+    const std::lock_guard lock(mutex);
+    settled_of_frames.push_back(stamp.settled_ns);
     EXPECT_LE(events.size(), wire_contract::kMaxEventsPerFrame);
     EXPECT_EQ(events.first_sequence, last_sequence + 1);
     std::set<ObjectId> named(events.named_ids.begin(), events.named_ids.end());
@@ -98,6 +108,10 @@ class BookKeeper : public EventWriter {
   std::uint64_t contact_hash = 0;
   std::size_t began_count = 0, ended_count = 0, persisted = 0, frames = 0, statuses = 0, probe_readings = 0;
   std::uint64_t probe_version = 0;
+  bool wants_watermarks = false;
+  std::int64_t watermark_ns = 0;
+  std::size_t watermarks = 0;
+  std::vector<std::int64_t> settled_of_frames;
   std::map<std::uint8_t, std::size_t> reasons, shards;
   StatusColumns status;
   std::string notices;
@@ -217,9 +231,27 @@ TEST_F(WorldLoopTest, ManyEventsComeInSeveralFrames) {
   const std::size_t statuses = books.statuses;
   EXPECT_TRUE(books.wait([&] { return books.statuses > statuses + 1; }));
   EXPECT_GE(books.frames, 2U);
+  EXPECT_EQ(books.settled_of_frames.front(), 0) << "more events of the same step follow";
+  EXPECT_GT(books.settled_of_frames.back(), 0);
   EXPECT_EQ(books.shards.size(), wire_contract::kContactShards);
   EXPECT_EQ(books.status.contact_count, 1'770U);
   EXPECT_EQ(books.status.state, ServerState::ready);
+}
+
+// A world at rest decides up to its clock.
+TEST_F(WorldLoopTest, WatermarksComeThoughNothingHappens) {
+  books.wants_watermarks = true;
+  start();
+  EXPECT_TRUE(books.wait([&] { return books.watermarks > 10; }));
+  const std::lock_guard lock(books.mutex);
+  EXPECT_GT(books.watermark_ns, 0);
+  EXPECT_TRUE(books.settled_of_frames.empty());
+}
+
+TEST_F(WorldLoopTest, WithoutAReaderOfWatermarksNoneAreWritten) {
+  start();
+  EXPECT_TRUE(books.wait([&] { return books.statuses > 4; }));
+  EXPECT_EQ(books.watermarks, 0U);
 }
 
 // Nobody has fixed a ray to anything: not a byte of it. Then each step tells every probe's reading, in frames of at most
