@@ -109,7 +109,8 @@ void SimulatedFleet::act(Host& host, std::size_t number) {
   for (const auto& [key, object] : publisher.objects()) {
     if (!chance(0.4)) continue;
     const bool is_apart = object.position.norm() > kApart_m / 2;
-    if (is_apart && (now_ns_ < host.added_ns[key] + kApartNs || !chance(0.1))) continue;
+    const std::int64_t stays_ns = kApartNs + 4 * host.period * kTickNs;
+    if (is_apart && (now_ns_ < host.added_ns[key] + stays_ns || !chance(0.1))) continue;
     publisher.move(key, is_apart ? any_place() : Vec3(object.position + 0.1 * any_place()));
   }
   // Now and then it has nothing to say, or no time.

@@ -7,8 +7,10 @@ namespace collided::simulation {
 
 using client::HeardShard;
 
-SimulatedWatcher::SimulatedWatcher(std::string name, const Line& line, std::uint64_t seed, Violation violation)
+SimulatedWatcher::SimulatedWatcher(std::string name, const Line& line, std::uint64_t seed, bool has_watermarks,
+                                   Violation violation)
     : name_(std::move(name)),
+      has_watermarks_(has_watermarks),
       line_(line),
       random_(seed),
       violation_(std::move(violation)),
@@ -36,7 +38,9 @@ void SimulatedWatcher::emit(const Event& event) {
   last_sequence_ = event.sequence;
   if (event.resync || event.kind == EventKind::open) return;
   reported_.push_back(event.sequence);
-  // Each server rounds its times once.
+  // In a fleet publishers' clocks are near, and none is new to a server that has forgotten it: then time waits for each of
+  // them. Each server rounds its times once.
+  if (!has_watermarks_) return;
   constexpr std::chrono::nanoseconds kRounded{2};
   const auto settled = state_.settled();
   if (settled && settled->life.epoch == event.epoch && happened(event) + kRounded < settled->to)

@@ -32,7 +32,8 @@ class SimulatedWatcher {
  public:
   using Violation = std::function<void(const std::string&)>;
   using Heard = std::variant<client::HeardFrame, client::HeardShard, client::HeardBookmark>;
-  SimulatedWatcher(std::string name, const Line& line, std::uint64_t seed, Violation violation);
+  /// has_watermarks  no event may be older than a watermark that came before it
+  SimulatedWatcher(std::string name, const Line& line, std::uint64_t seed, bool has_watermarks, Violation violation);
 
   void send(const Heard& message, std::int64_t now_ns);
   /// The line is good from now on.
@@ -55,6 +56,7 @@ class SimulatedWatcher {
   void emit(const Event& event);
 
   std::string name_;
+  bool has_watermarks_;
   Line line_;
   std::mt19937_64 random_;
   Violation violation_;

@@ -95,7 +95,8 @@ class Run {
       std::fprintf(stderr, "violation: seed=%llu: %s\n", static_cast<unsigned long long>(seed_), what.c_str());
     };
     const auto add = [&](const char* name, const Line& line) {
-      watchers_.push_back(std::make_unique<SimulatedWatcher>(name, line, seed * 8 + watchers_.size(), violation));
+      watchers_.push_back(
+          std::make_unique<SimulatedWatcher>(name, line, seed * 8 + watchers_.size(), is_fleet_, violation));
     };
     const auto late_ns = static_cast<std::int64_t>(seed % 1'500) * kMs;
     add("good line", {});
