@@ -62,7 +62,7 @@ inline constexpr const char* kCovers = "covers";
 /// State of a shard. Refused by a server that holds a whole world.
 /// -> name (of the shard), map (fingerprint of the shard map, 16 hexadecimal digits), epoch, replaced_within_ns (time
 /// in which a standby takes over), succession (as in that command; only if there is one), watches and watches_behind
-/// (how many watches have asked for `settled` within the last seconds, and how many of those do not watch all shards of
+/// (how many watches have sent `watching` within the last seconds, and how many of those do not watch all shards of
 /// the next map; only with succession)
 inline constexpr const char* kShard = "shard";
 
