@@ -42,8 +42,8 @@ constexpr double kSamePoint = 1e-9;
 constexpr int kRimPoints = 8;
 
 /// The error of a feature's points: for corners and rims the rounding of at most six products and sums, for hulls that
-/// of placing them; if a direction had to be normalised, that of a support point. Relative to size and position. At
-/// zero, Manifold.TheDepthsOfTiltedBoxesAreWithinTheirBounds fails.
+/// of placing them; if a direction had to be normalised, that of a support point. Relative to size and position.
+/// At zero, Manifold.TheDepthsOfTiltedBoxesAreWithinTheirBounds fails.
 double slack_of(const ConvexPart& part) {
   if (half_space_of(part) != nullptr || std::holds_alternative<Triangle>(part)) return 0;
   const kernel::Convex set = convex_of(part);

@@ -20,9 +20,9 @@ inline constexpr double kRim = 0x1p-20;
 
 /// Relative to the table's size plus the farthest coordinate in its frame: a point rotated into that frame is off by 16
 /// roundings of its largest coordinate there (differences 1, unit axes 6, products and sums 3, three of each), a
-/// clipped height by as much again. 2^13 roundings, because a larger value costs nothing. No unit. At zero,
-/// WorldSurfaceCover.AnEqualSheetWhoseBorderIsTheTablesCoversIt fails, because a rounding decides what is uncertain,
-/// and so does TheBoundHoldsUnderASheetOfAMillionMillionTimesItsSize.
+/// clipped height by as much again. 2^13 roundings, because a larger value costs nothing. No unit.
+/// At zero, WorldSurfaceCover.AnEqualSheetWhoseBorderIsTheTablesCoversIt fails, because a rounding decides what is
+/// uncertain, and so does TheBoundHoldsUnderASheetOfAMillionMillionTimesItsSize.
 inline constexpr double kFlatSlack = 0x1p-40;
 
 }  // namespace collided::engine

@@ -113,8 +113,8 @@ inline constexpr double kInward = 0x1p-180;
 inline constexpr double kSeenFrom = 0x1p-34;
 
 /// Slack of the half-spaces that clip for a point of both sets, relative to their extent: 64 roundings, so that the
-/// only common point of two touching sets is not lost. It places a contact point and affects no decision. No unit. At
-/// zero, ExactContact.ThePointOfTouchingBoxesIsOnBoth fails.
+/// only common point of two touching sets is not lost. It places a contact point and affects no decision. No unit.
+/// At zero, ExactContact.ThePointOfTouchingBoxesIsOnBoth fails.
 inline constexpr double kClipSlack = 0x1p-46;
 
 /// Error of one gap of the separating-axis test in plain double, relative to A B (D + A H): axes of at most A, the axis
@@ -129,8 +129,8 @@ inline constexpr double kSeparationError = 96 * kRoundoff;
 /// relative to the sum W^2 of the squared distances to the corners. v = a + s ab + t ac rounds each of a, ab, ac once
 /// (u W, s 2 u W, t 2 u W), two products (s + t <= 1: 2 u W) and two sums (6 u W); s + t <= 1 + 4 u leaves the triangle
 /// by 8 u W: 21 u W in all, so 42 u W^2 in the square, and 4 u W^2 for rounding the square. A product with v
-/// (difference, product, two sums) is off by 4 u W^2. 48 covers all with the roundings of the bound. No unit. At zero,
-/// ExtremeNearestFilter.TheBracketHoldsTheTruth fails.
+/// (difference, product, two sums) is off by 4 u W^2. 48 covers all with the roundings of the bound. No unit.
+/// At zero, ExtremeNearestFilter.TheBracketHoldsTheTruth fails.
 inline constexpr double kNearestError = 48 * kRoundoff;
 
 /// Error of the triple product a . (b x c) of three differences, relative to the product of their largest coordinates:
@@ -177,8 +177,8 @@ inline constexpr double kCoarseGrid_m = 1e-3;
 
 /// How far a T-vertex may lie from its edge, in roundings of the largest coordinate: those of double, or of single
 /// precision if the file has nothing else. The vertex and both ends are rounded on three axes, at most 3 sqrt(3) / 2
-/// together; the rest up to 8 covers computing the distance. No unit. At zero,
-/// IntakeSeams.TVerticesOfSinglePrecisionAreFound fails.
+/// together; the rest up to 8 covers computing the distance. No unit.
+/// At zero, IntakeSeams.TVerticesOfSinglePrecisionAreFound fails.
 inline constexpr double kOnEdge = 8;
 
 /// Default width of the cracks to look for, relative to the diagonal of the mesh: what two tessellations of one curve
@@ -187,7 +187,8 @@ inline constexpr double kOnEdge = 8;
 inline constexpr double kCrackReach = 1e-4;
 
 /// How far another point or edge may lie from a point to count as the same one, as a share of the shortest edge there:
-/// points farther away are detail of the mesh, not a crack. No unit. At 2, IntakeSeams.FineDetailIsNoCrack fails.
+/// points farther away are detail of the mesh, not a crack. No unit.
+/// At 2, IntakeSeams.FineDetailIsNoCrack fails.
 inline constexpr double kCrackShare = 0.25;
 
 /// Error of the plain tests of balls and capsules against each other and against boxes, relative to the largest square

@@ -17,7 +17,8 @@ inline constexpr std::uint32_t kMaxPieces = 64;
 
 /// Boxes in local coordinates that cover the triangle, each with its number; determined by mesh, frame and count alone.
 /// Cuts in half at planes perpendicular to the longest side until there are `count` (1 to kMaxPieces) or a side is too
-/// short. returns the number written
+/// short.
+/// returns  the number written
 std::uint32_t cover(const TriangleMesh& mesh, const LocalFrame& frame, std::uint32_t number, std::uint32_t count,
                     std::span<Primitive> pieces);
 

@@ -12,7 +12,8 @@ namespace collided::engine::kernel {
 /// three products with differences of points and six extents along it 64 more of S |u| |v|; the root and the quotient
 /// some 32 of the depth, which is at most 2 S; the products over cross axes of two boxes, which reuse those over faces,
 /// 96 (kSeparationError). In Bounded the same operations have bounds of at most twice their error. 2^9 roundings cover
-/// both; 2^12 are taken. At zero, ExactContact.AFilterKeepsEveryAxisOfATie fails.
+/// both; 2^12 are taken.
+/// At zero, ExactContact.AFilterKeepsEveryAxisOfATie fails.
 inline constexpr double kDepthError = 0x1p-41;
 
 /// Which facet axes may need the least push to separate two cores: a bit each. In plain double with one error bound per

@@ -10,8 +10,8 @@ namespace collided::engine {
 /// True if the answer of double for a placed part (yes or no, and whether the ray begins inside) holds for every part
 /// whose points differ from the placed ones by at most off_m.
 ///
-/// verdict, hit  what cast_ray found cost some 10 to 50 ns; for a hull, or for a near miss, that of two pairs of convex
-///               shapes
+/// verdict, hit  what cast_ray found
+/// cost          some 10 to 50 ns; for a hull, or for a near miss, that of two pairs of convex shapes
 bool holds_within(const Ray& ray, const Sphere& placed, double off_m, const ExactResult& verdict, const RayHit& hit);
 bool holds_within(const Ray& ray, const Box& placed, double off_m, const ExactResult& verdict, const RayHit& hit);
 bool holds_within(const Ray& ray, const Ellipsoid& placed, double off_m, const ExactResult& verdict, const RayHit& hit);

@@ -60,7 +60,8 @@ struct TimeSpan {
 ///           rotations can change; undecided if they come closer than rounding resolves (or than kMostSteps steps
 ///           resolve) and no overlap is found. Two triangles, and a box or capsule that moves straight past a resting
 ///           triangle, are then decided by the exact tests of moving_features.hpp and moving_solids.hpp, other straight
-///           motions by swept_convex.hpp error the parts' motion is that of BodyMotion to within its error_m
+///           motions by swept_convex.hpp
+/// error     the parts' motion is that of BodyMotion to within its error_m
 /// threads   pure
 /// source    conservative advancement: Mirtich, "Impulse-based Dynamic Simulation of Rigid Body Systems", 1996; along
 /// the normal of the nearest points: Zhang, Lee, Kim, "Interactive Continuous Collision Detection for Non-Convex

@@ -13,8 +13,8 @@ namespace {
 
 /// Roundings of a gap along a vector taken as exact, relative to the largest coordinates of differences between the
 /// cores and to their sizes: a difference, a product of three terms and those with a box's axes, the vector's length
-/// and a quotient leave less than 64 of sqrt(3) times those. No unit. At zero,
-/// PartMotionFilters.ATouchOfALargeFaceIsNeverSurelyApart fails.
+/// and a quotient leave less than 64 of sqrt(3) times those. No unit.
+/// At zero, PartMotionFilters.ATouchOfALargeFaceIsNeverSurelyApart fails.
 constexpr double kGapError = 128 * kRoundoff;
 
 Triple column(const Mat3& m, int i) { return {m(0, i), m(1, i), m(2, i)}; }

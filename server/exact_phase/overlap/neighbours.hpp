@@ -7,8 +7,8 @@ namespace collided::engine {
 
 // Whether triangles of one surface meet where they should not. Both must have area; exact for the given doubles.
 
-/// Whether two triangles with a.a = b.a have another point in common. cost 20 ns if one lies on one side of the other,
-/// 70 if a projection separates them
+/// Whether two triangles with a.a = b.a have another point in common.
+/// cost      20 ns if one lies on one side of the other, 70 if a projection separates them
 /// threads   pure; allocates only on Level::rational
 ExactResult meet_beyond_corner(const Triangle& a, const Triangle& b);
 

@@ -8,7 +8,7 @@ namespace collided::engine::kernel {
 /// Whether a cylinder or cone and a point, segment, triangle, box or hull share a point, tested by the features of the
 /// latter.
 ///
-/// motion test any time of the solid's motion relative to the other; null: both at rest
+/// motion   test any time of the solid's motion relative to the other; null: both at rest
 /// returns  undecided only if a number is not finite, or a hull bent by rounding has too many corners
 /// cost     a microsecond per feature, more where it is uncertain; allocates
 ExactResult axial_meets_flat(const Convex& axial, const Convex& flat, const StraightMotion* motion = nullptr);

@@ -8,7 +8,7 @@ namespace collided::engine::kernel {
 /// Whether an ellipsoid and a point, segment, triangle, box or hull share a point: in the ellipsoid's own coordinates
 /// it is a ball. By rationals alone.
 ///
-/// motion test any time of the ellipsoid's motion relative to the other; null: both at rest
+/// motion   test any time of the ellipsoid's motion relative to the other; null: both at rest
 /// returns  undecided only if a number is not finite or the ellipsoid is flat
 Decision ellipsoid_meets_flat(const Convex& ellipsoid, const Convex& flat, const StraightMotion* motion = nullptr);
 

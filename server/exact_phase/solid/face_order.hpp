@@ -17,7 +17,8 @@ struct SolidFace {
 ///
 /// tree  built with keeps_faces
 /// eye   finite, in the mesh's frame; anywhere
-/// show  returns true to continue cost one comparison per node
+/// show  returns true to continue
+/// cost  one comparison per node
 /// source  Fuchs, Kedem, Naylor, "On visible surface generation by a priori tree structures", SIGGRAPH 1980
 void show_front_to_back(const SolidTree& tree, const Vec3& eye, FunctionRef<bool(const SolidFace&)> show);
 

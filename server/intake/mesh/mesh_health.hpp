@@ -47,8 +47,8 @@ struct MeshHealth {
 
 /// Examines a mesh.
 ///
-/// crack_m   widest crack to look for; 0: kCrackReach times the diagonal cost about 0.6 us per triangle of a closed
-///           mesh, and a further 2 us per edge of one triangle
+/// crack_m   widest crack to look for; 0: kCrackReach times the diagonal
+/// cost      about 0.6 us per triangle of a closed mesh, and a further 2 us per edge of one triangle
 /// threads   pure
 MeshHealth examine(const TriangleMesh& mesh, double crack_m = 0);
 

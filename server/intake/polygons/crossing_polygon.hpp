@@ -15,7 +15,7 @@ namespace collided::engine {
 /// vertices  a new one is appended for each crossing, half-way between the two edges there
 /// returns   nothing if no two edges cross (they may touch), if two edges cross only in projection and are farther
 ///           apart in space than kFlatEnough of the polygon's size, or if there are more than kMaxCrossings crossings
-///           cost O(n^2) per crossing
+/// cost      O(n^2) per crossing
 std::vector<TriangleCorners> split_at_crossings(std::span<const std::uint32_t> corners, std::vector<Vec3>& vertices);
 
 }  // namespace collided::engine

@@ -53,7 +53,7 @@ struct DecodedShape {
 
 /// Decodes a FlatBuffers buffer whose root is format::Shape, with the checks of read_scene_file.
 ///
-/// bytes at any alignment, untrusted
+/// bytes     at any alignment, untrusted
 /// threads   pure; memory at most a small multiple of the bytes
 DecodedShape decode_shape(std::span<const std::byte> bytes, const ShapeLimits& limits = {});
 

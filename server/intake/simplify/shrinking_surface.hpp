@@ -36,8 +36,8 @@ class ShrinkingSurface {
                        std::vector<Neighbour>& neighbours) const;
 
   /// Whether merging a vertex into its neighbour `kept` leaves the surface's pieces, holes and borders as they are: the
-  /// two have no common neighbours but the tips of the triangles at their edge, and the piece does not vanish. ring,
-  /// neighbours of the removed vertex
+  /// two have no common neighbours but the tips of the triangles at their edge, and the piece does not vanish.
+  /// ring, neighbours  of the removed vertex
   /// source            link condition: Dey, Edelsbrunner, Guha, Nekhayev, "Topology preserving edge contraction", 1999
   bool may_merge(const std::vector<std::uint32_t>& ring, const std::vector<Neighbour>& neighbours,
                  const Neighbour& kept);

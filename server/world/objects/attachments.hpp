@@ -27,7 +27,8 @@ struct AttachedObject {
 };
 
 /// Which objects move along with which.
-/// threads  writer only, except table() Always: an object has at most one parent and is never its own ancestor.
+/// threads  writer only, except table()
+/// Always: an object has at most one parent and is never its own ancestor.
 class Attachments {
  public:
   static constexpr std::size_t kMost = 1'000;

@@ -59,6 +59,10 @@ class StraightWay {
   /// For a sphere: from the positions of its centre.
   explicit StraightWay(const MovingSphere& sphere);
   /// Takes any object.
+  ///
+  /// bounds_at_end  the object's bounds at the end of the motion
+  /// reach_m        largest distance of a point from the frame's origin, plus more than twice the pivot's distance, if
+  ///                there is one
   StraightWay(const BodyMotion& motion, const Aabb& bounds_at_end, double reach_m);
 
   const Vec3& travel() const { return travel_; }

@@ -26,7 +26,7 @@ struct NearestApproach {
 /// Searches the objects' paths, both of this snapshot, for the time at which they were nearest: branch and bound over
 /// time, with the lengths of their paths as bounds on how fast their distance may change.
 ///
-/// since_ns earliest begin of the interval, which begins no earlier than the paths
+/// since_ns  earliest begin of the interval, which begins no earlier than the paths
 /// cost      that of some tens to thousands of distances between the two
 /// threads   any
 NearestApproach nearest_approach(const Snapshot& snapshot, ObjectId a, const PoseMemory::RememberedPath& path_of_a,
