@@ -1,5 +1,5 @@
-# Poses of three carts in a yard as CSV for `collide publish`: each goes straight from corner to corner of a way of its own,
-# posed at a rate of its own, so that no two are posed together but by chance.
+# Poses of three carts in a yard as CSV for `collide publish`: each goes straight from corner to corner of its own path,
+# posed at its own rate, so that two are posed together only by chance.
 function drive(name, rate, phase, points,   corners, count, i, k, t, end, from, to, share) {
   count = split(points, corners, " ")
   end = seconds

@@ -1,7 +1,7 @@
 # Rays through the ground-floor rooms of an IFC house, and how long each must be.
 # Reads the IFC file, finds each IfcSpace of the lowest storey with its extruded outline, and prints for 18 points a
 # room and 6 axis directions: id,fx,fy,fz,dx,dy,dz,room,expected  in the file's own frame, where z is up. The expected
-# length is the way from the point to the room's stated boundary.
+# length is the distance from the point to the room's stated boundary.
 function arguments(text) { sub(/^[^(]*\(/, "", text); sub(/\);[ \r]*$/, "", text); return text }
 function numbers(text, out) { gsub(/[()]/, "", text); return split(text, out, ",") }
 /^#[0-9]+= *IFC(CARTESIANPOINT|DIRECTION|AXIS2PLACEMENT3D|LOCALPLACEMENT|POLYLINE|ARBITRARYCLOSEDPROFILEDEF|EXTRUDEDAREASOLID|SHAPEREPRESENTATION|PRODUCTDEFINITIONSHAPE|SPACE)\(/ {

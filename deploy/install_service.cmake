@@ -1,4 +1,4 @@
-# Installs the unit with the places of this prefix in it, and the configuration that it names unless there is one already.
+# Installs the unit with the paths of this prefix in it, and the configuration that it names unless there is one already.
 # Variables: deploy_dir, COLLIDED_UNIT_DIR, CMAKE_INSTALL_BINDIR, CMAKE_INSTALL_SYSCONFDIR and CMAKE's own of an installation.
 function(absolute variable folder)
   cmake_path(ABSOLUTE_PATH folder BASE_DIRECTORY "${CMAKE_INSTALL_PREFIX}" NORMALIZE)

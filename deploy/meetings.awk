@@ -1,5 +1,5 @@
-# When balls of radius RADIUS that go straight between their poses touch: from a CSV file t,name,x,y,z, each mover at instants
-# of its own. A line for each contact, by time: the seconds at which it begins and ends, and the two names.
+# Contact times of balls of radius RADIUS that move straight between their poses: from a CSV file t,name,x,y,z, each mover at
+# its own instants. A line for each contact, by time: the seconds at which it begins and ends, and the two names.
 #   awk -F, -v RADIUS=0.5 -f meetings.awk FILE
 function place(name, t, at,   k, share) {
   for (k = 2; k < poses[name] && time[name, k] < t; ++k) {}
@@ -11,7 +11,7 @@ function flush_contact() {
   if (is_open) printf "%.9f %.9f %s %s\n", begin, end, first, second | "sort -g"
   is_open = 0
 }
-# Of first and second between two instants at which neither is posed anew in between.
+# Contacts of first and second between two instants without a new pose of either in between.
 function touch(t0, t1,   a0, a1, b0, b1, start, way, a, b, c, root, low, high) {
   place(first, t0, a0); place(first, t1, a1); place(second, t0, b0); place(second, t1, b1)
   for (axis = 1; axis <= 3; ++axis) { start[axis] = b0[axis] - a0[axis]; way[axis] = b1[axis] - a1[axis] - start[axis] }

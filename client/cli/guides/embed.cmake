@@ -1,5 +1,5 @@
-# Writes the guides into a C++ file: OUTPUT from the *.md files of GUIDES, in the order of NAMES (separated by commas), as
-# PANDOC sets them for a terminal.
+# Writes the guides into a C++ file: OUTPUT from the *.md files of GUIDES, in the order of NAMES (separated by commas), laid
+# out for a terminal by PANDOC.
 set(code "// Written by client/cli/guides/embed.cmake.\n#include \"client/cli/guides/guides.hpp\"\n\n")
 string(APPEND code "namespace collided::cli {\nnamespace {\nconstexpr Guide kGuides[] = {\n")
 string(REPLACE "," ";" names "${NAMES}")

@@ -1,11 +1,11 @@
 #!/bin/sh
-# Makes the manual pages in OUTPUT: collide(1) and collided(1) from what the programs print of themselves, and one of section 7
+# Makes the manual pages in OUTPUT: collide(1) and collided(1) from the programs' own help, and one of section 7
 # for each guide. PANDOC, COLLIDE, COLLIDED, COLLIDED_FILES: paths of programs.
 # usage: VARIABLES manual.sh DOCS OUTPUT GUIDE...
 set -eu
 docs=$1 output=$2
 shift 2
-export COLLIDED_FILES  # the help of some verbs is its
+export COLLIDED_FILES  # it prints the help of some verbs
 mkdir -p "$output/man1" "$output/man7"
 
 # page NAME SECTION [PANDOC'S WORDS]: from Markdown in a file, or on standard input
