@@ -12,7 +12,7 @@ struct EtcdEndpoint {
   std::string port;
 };
 
-/// Where a cluster of etcd is, how it is reached, and below which key what is kept there stands.
+/// Address of a cluster of etcd, access to it, and the key below which the data stand.
 struct EtcdAddress {
   std::vector<EtcdEndpoint> endpoints;
   std::string key;               // empty: none is named

@@ -23,7 +23,7 @@ class EtcdClient : public LeaseStore {
   StoreResult transact(const StoreTransaction& transaction) override;
 
  private:
-  /// What read(answer) makes of the first answer that is one.
+  /// Returns read(answer) for the first good answer.
   template <class Read>
   auto call(const char* target, const nlohmann::json& question, Read&& read);
 

@@ -16,7 +16,7 @@ std::string file_in(const std::filesystem::path& folder, const char* name) {
   return std::filesystem::exists(path, fault) ? path.string() : std::string();
 }
 
-/// A file's text without the end of its line; empty where there is no such file.
+/// A file's text without the end of its line; empty if the file does not exist.
 std::string text_of(const std::string& path) {
   if (path.empty()) return {};
   constexpr std::size_t kMost = 4'096;

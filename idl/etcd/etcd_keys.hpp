@@ -7,7 +7,7 @@
 
 namespace collided::etcd {
 
-/// What a client of etcd shows and trusts. A folder holds it, so that no secret is in an argument or a variable, which other
+/// The credentials of a client of etcd, and the certificates that it trusts. They are files in a folder, so that no secret is in an argument or a variable, which other
 /// processes may read. Each file may be missing, but tls.crt and tls.key, and username and password, only together.
 struct EtcdKeys {
   http::HttpTlsFiles files;  // ca.crt, tls.crt, tls.key

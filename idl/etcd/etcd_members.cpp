@@ -50,7 +50,7 @@ http::HttpPost EtcdMembers::post_to(const EtcdEndpoint& member, const char* targ
           .tls = keys_.files};
 }
 
-/// Of an answer that is none.
+/// Returns the fault of a request that got no good answer.
 NoAnswer EtcdMembers::fault_of(const http::HttpAnswer& answer) const {
   const std::string& trusted = keys_.files.trusted;
   switch (answer.fault) {
@@ -71,7 +71,7 @@ NoAnswer EtcdMembers::fault_of(const http::HttpAnswer& answer) const {
   return NoAnswer(answer.problem);
 }
 
-/// Of what etcd has against the client, else the text.
+/// Returns why etcd refuses the client, else the text.
 NoAnswer EtcdMembers::refusal_of(const std::string& text) const {
   const std::string user = "user '" + keys_.user + "'";
   if (has(text, kNoPermission)) return NoAnswer(user + " has no permission for these keys", Refusal::cluster);
@@ -102,15 +102,15 @@ json EtcdMembers::answer_of(const EtcdEndpoint& member, const char* target, cons
 
 /// Reads the keys, and gets a token where there is a user.
 void EtcdMembers::authenticate(const EtcdEndpoint& member) {
-  // etcd works on a password for a tenth of a second, on purpose, and on a busy machine for seconds. Who gave up sooner would
-  // only have it begin again. A member that is away is known by its connection.
+  // etcd spends a tenth of a second on a password by design, and seconds on a busy machine. Giving up sooner would only
+  // restart that. An unreachable member shows in its connection.
   constexpr std::int64_t kLeastPatienceNs = 5'000'000'000;
   keys_ = read_etcd_keys(address_);
   token_ = std::string();
   if (keys_.user.empty()) return;
   try {
     const json question{{"name", keys_.user}, {"password", keys_.password}};
-    // A file may hold anything; bytes that are no text are no password either.
+    // A file may contain any bytes; those that are not UTF-8 cannot be a password.
     const std::string text = question.dump(-1, ' ', false, json::error_handler_t::replace);
     const json answer = answer_of(member, "/v3/auth/authenticate", text, std::max(patience_ns_, kLeastPatienceNs));
     token_ = text_in(answer, "token");
@@ -138,7 +138,7 @@ void EtcdMembers::ask_as_user(const EtcdEndpoint& member, const std::function<vo
   ask_once();
 }
 
-/// Asks members until one answers; only so many of them.
+/// Asks up to member_count members until one answers.
 template <class Ask>
 void EtcdMembers::ask_in_turn(std::size_t member_count, const Ask& ask_one) {
   std::string problems;

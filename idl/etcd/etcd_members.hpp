@@ -18,8 +18,8 @@ namespace collided::etcd {
 struct NoAnswer;
 
 /// The members of a cluster of etcd 3.4 or later, through their JSON gateway: asked in turn, beginning with the one that
-/// answered last, by TLS and as a user where the address says so. Where a token is refused another one is asked for, with
-/// the folder's files as they are then.
+/// answered last, with TLS and as a user if the address asks for it. A refused token is replaced by
+/// a new one, for which the folder's files are read again.
 ///
 /// threads  one
 class EtcdMembers {
@@ -55,9 +55,9 @@ class EtcdMembers {
   const EtcdAddress address_;
   const std::int64_t patience_ns_;
   EtcdKeys keys_;
-  std::optional<std::string> token_;  // nothing: keys and token are to be read; empty: none is needed
+  std::optional<std::string> token_;  // nothing: not read yet; empty: none is needed
   const std::unique_ptr<http::HttpConnection> connection_;
-  std::function<bool()> is_over_;  // of a stream, whose user may have to be asked for a token first
+  std::function<bool()> is_over_;  // of a stream, which may need a token first
   std::size_t newest_ = 0;         // the member that answered last
 };
 

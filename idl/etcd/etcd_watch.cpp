@@ -40,7 +40,7 @@ class WatchReader {
     return {{"create_request", create}};
   }
 
-  /// What a stream that broke off told of a revision is told again by the next one.
+  /// The next stream repeats a revision that was cut off.
   void begin() { held_.clear(); }
 
   void take(const json& line) {

@@ -16,11 +16,11 @@ struct StoreChange {
   std::int64_t revision = 0;
 };
 
-/// What is watched, and what is called for it, on the thread that watches.
+/// The keys to watch, and the callbacks, which run on the watching thread.
 struct StoreWatch {
   std::string key;
   bool is_prefix = false;  // every key that begins with it
-  std::int64_t from = 1;   // the first revision whose changes are of interest
+  std::int64_t from = 1;   // the first revision to report
   std::function<void(const StoreChange&)> changed = {};
   std::function<bool()> is_over = {};  // asked ten times a second
   /// Gets why changes cannot be read, when that begins or is another reason, and an empty text when they are read again.
@@ -28,12 +28,12 @@ struct StoreWatch {
 };
 
 enum class WatchEnd : std::uint8_t {
-  over,       // is_over() said so
+  over,       // is_over() returned true
   read_again  // revisions that were asked for are compacted away: read the keys, and watch from there
 };
 
-/// Calls for every change to the keys, once each and in the order of their revisions, until it is over. A member that falls
-/// silent is left for another one, which goes on with the revision after the last that was told.
+/// Calls for every change to the keys, once each and in the order of their revisions, until it is over. If a member
+/// falls silent, the next one continues after the last reported revision.
 ///
 /// patience_ns  for a member to begin
 /// returns      within a fifth of a second of is_over()
@@ -42,7 +42,7 @@ enum class WatchEnd : std::uint8_t {
 /// threads      any; each call has a connection of its own
 WatchEnd watch(const EtcdAddress& address, std::int64_t patience_ns, StoreWatch asked);
 
-/// So long one stream is read. A frozen member looks like one where nothing changes, so it is asked anew.
+/// Lifetime of one stream. A frozen member looks like one without changes, so the watch reconnects.
 inline constexpr std::int64_t kWatchLifeNs = 5'000'000'000;
 
 }  // namespace collided::etcd

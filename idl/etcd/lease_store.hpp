@@ -8,7 +8,7 @@
 
 namespace collided::etcd {
 
-/// The store did not answer in time, or not as it should: one sentence. What was asked may have been done all the same.
+/// The store did not answer in time, or not as it should: one sentence. The request may have been executed nevertheless.
 struct StoreError : std::runtime_error {
   using std::runtime_error::runtime_error;
 };
@@ -19,8 +19,8 @@ struct StoreRefused : StoreError {
   using StoreError::StoreError;
 };
 
-/// What a transaction demands of a key; less compares bytes, and a key that is not there is neither equal nor less, nor of
-/// any revision.
+/// A condition of a transaction on a key. `less` compares bytes. A missing key is neither equal nor less, and has no
+/// revision.
 struct StoreCondition {
   enum class Is : std::uint8_t { absent, equal, less, revision };
   std::string key;
@@ -63,12 +63,12 @@ struct StoreResult {
   std::vector<std::vector<StoreKey>> ranges = {};       // as many as were asked for
 };
 
-/// A store of keys with one order of all that is done to it, whoever asks, and with leases: keys that go by themselves
-/// where their holder does not renew them. Each call may throw StoreError.
+/// A store of keys with one order of all operations, and with leases: their keys are removed unless the holder renews the
+/// lease. Each call may throw StoreError.
 class LeaseStore {
  public:
   virtual ~LeaseStore() = default;
-  /// A new lease of so many seconds.
+  /// Grants a lease of life_s seconds.
   virtual std::int64_t grant(int life_s) = 0;
   /// Has the lease last its whole life again; false: it is gone.
   virtual bool renew(std::int64_t lease) = 0;

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-/// The commands whose effects an opening already includes, in the metadata of a recording. A recorder or replay that
+/// The commands with effects that an opening already includes, in the metadata of a recording. A recorder or replay that
 /// has also received these commands leaves them out, since they would be executed twice.
 namespace collided::recording {
 

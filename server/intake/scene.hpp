@@ -86,7 +86,7 @@ struct TilesRead {
   std::uint64_t parts_of_file = 0;
 };
 
-/// What a snapshot of a server's world has beyond the file of a scene; see table Frozen in idl/scene.fbs.
+/// The parts of a server's snapshot beyond a scene file; see table Frozen in idl/scene.fbs.
 struct FrozenWorld {
   std::uint64_t version = 0;
   std::int64_t world_time_ns = 0;

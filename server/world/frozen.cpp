@@ -11,7 +11,7 @@
 namespace collided::engine {
 namespace {
 
-/// Pairs are written one by one: a scene that allows every pair has at most so many objects, else its pairs are left out.
+/// Pairs are written one by one: a scene that allows every pair is written up to this many objects, else its pairs are left out.
 constexpr std::size_t kMostAllAllowed = 2'000;
 
 std::optional<SolidBy> solid_of(const ObjectInfo& info) {

@@ -90,7 +90,7 @@ void ShardedWatching::follow_view() {
   }
 }
 
-/// What a shard has decided and this has heard; nothing if it is silent or not in step.
+/// The settled time of a shard up to which its events have been received; nothing if it is silent or not in step.
 std::optional<SettledTime> ShardedWatching::settled_of(std::size_t shard) const {
   const std::unique_ptr<Watch::State>& watch = shards_[shard].watch;
   if (!watch || !watch->health().connected || !links_->answers(shard)) return std::nullopt;
@@ -115,9 +115,9 @@ bool ShardedWatching::look_at(std::size_t shard) {
   return true;
 }
 
-/// What all shards have decided may be passed on once each one has sent a watermark after that: a shard without publishers
-/// follows its clock, and what it was given before another shard went on is among its events by then. A shard that has
-/// come, gone or been replaced since did not send that watermark.
+/// Events that all shards have decided are passed on once each shard has sent a later watermark: a shard without publishers
+/// follows its clock, and by then its events include everything that it received before another shard went on. A shard that
+/// was added, removed or replaced since has not sent that watermark.
 void ShardedWatching::settle() {
   const shards::ShardSet before = std::exchange(there_, 0);
   bool is_any_awaited = false;

@@ -20,8 +20,8 @@
 
 namespace collided::client {
 
-/// A watch of each shard, and a thread that merges what they report. What every shard has decided, by the watermarks among
-/// its events, goes through EpisodeMerge to next().
+/// A watch of each shard, and a thread that merges what they report. Events that every shard has decided, by the watermarks
+/// among them, go through EpisodeMerge to next().
 class [[gnu::visibility("hidden")]] ShardedWatching : public Subscription<Event>::Source {
  public:
   ShardedWatching(std::shared_ptr<ShardLinks> links, const WatchOptions& options);

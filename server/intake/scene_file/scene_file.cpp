@@ -96,7 +96,7 @@ std::shared_ptr<const AllowedPairs> decode_pairs(const format::Scene& from, std:
   return std::make_shared<const AllowedPairs>(std::move(pairs));
 }
 
-/// What a snapshot has beyond a scene: every part and object once in its order, and boxes that are not empty.
+/// Decodes the parts of a snapshot beyond a scene: every part and object once in its order, and boxes that are not empty.
 FrozenWorld decode_frozen(const format::Frozen& from, std::size_t member_count) {
   FrozenWorld frozen{.version = from.version(),
                      .world_time_ns = from.world_time_ns(),

@@ -33,7 +33,7 @@ struct DeclaredSolids {
 
 /// Declares the parts and objects solid that have a mesh, and a name that matches the glob or a file that declares them.
 ///
-/// by         for those whose names match; a file declares its own
+/// by         for those with a matching name; a file declares its own
 /// scene      as World::index_scene gave it, with its geometry
 /// cancelled  called now and then; true ends the work
 /// cost       that of solid_within for each; one copy of the triangles of each part
