@@ -48,9 +48,10 @@ class FileBeside {
 };
 
 Result<WrittenSnapshot> write(Connection& connection, FileBeside& file, const std::function<bool(double)>& progress) {
-  constexpr std::chrono::seconds kTimeout{60};  // of a page; the first one comes once the server has put all together
+  constexpr std::chrono::seconds kPageTimeout{
+      60};  // of a page; the first one comes once the server has put all together
   const Result<std::optional<std::string>> bytes =
-      fetch_pages(connection, kCommand, nlohmann::json::object(), kTimeout, progress);
+      fetch_pages(connection, kCommand, nlohmann::json::object(), kPageTimeout, progress);
   if (!bytes) return bytes.error();
   if (!*bytes) return Error{ErrorCode::timeout, "snapshot: the server forgot what it was sending", "ask again"};
   std::string flaw;
