@@ -29,9 +29,6 @@ json condition_in(const StoreCondition& condition) {
 
 json transaction_in(const StoreTransaction& transaction) {
   json conditions = json::array(), reads = json::array(), success = json::array();
-  const auto bounds = [](const StoreRange& range) {
-    return json{{"key", encode_base64(range.first)}, {"range_end", encode_base64(range.end)}};
-  };
   for (const StoreCondition& condition : transaction.conditions) conditions.push_back(condition_in(condition));
   for (const std::string& key : transaction.reads) reads.push_back({{"request_range", {{"key", encode_base64(key)}}}});
   for (const StoreWrite& write : transaction.writes) {
@@ -39,12 +36,6 @@ json transaction_in(const StoreTransaction& transaction) {
                         {{"key", encode_base64(write.key)},
                          {"value", encode_base64(write.value)},
                          {"lease", std::to_string(write.lease)}}}});
-  }
-  for (const StoreRange& range : transaction.deletes) success.push_back({{"request_delete_range", bounds(range)}});
-  for (const StoreRange& range : transaction.ranges) {
-    json asked = bounds(range);
-    asked["limit"] = std::to_string(range.most);
-    reads.push_back({{"request_range", std::move(asked)}});
   }
   success.insert(success.end(), reads.begin(), reads.end());
   return {{"compare", conditions}, {"success", success}, {"failure", reads}};
@@ -62,25 +53,15 @@ void take_value(const json& response, StoreResult& result) {
   result.values.back() = bytes_in(found[0], "value");
 }
 
-void take_range(const json& response, StoreResult& result) {
-  std::vector<StoreKey>& keys = result.ranges.emplace_back();
-  const json& range = object_in(response, "response_range");
-  if (!range.contains("kvs")) return;
-  for (const json& found : array_in(range, "kvs"))
-    keys.push_back({.key = bytes_in(found, "key"), .value = bytes_in(found, "value")});
-}
-
 StoreResult result_in(const json& answer, const StoreTransaction& transaction) {
   StoreResult result;
   result.is_done = is_set_in(answer, "succeeded");
-  const std::size_t asked = transaction.reads.size() + transaction.ranges.size();
-  if (asked > 0 || result.is_done) {
+  if (!transaction.reads.empty() || result.is_done) {
     const json& responses = array_in(answer, "responses");
-    const std::size_t first = result.is_done ? transaction.writes.size() + transaction.deletes.size() : 0;
-    if (responses.size() != first + asked) throw NoAnswer("an answer with other parts than asked for");
-    for (std::size_t i = 0; i < asked; ++i)
-      i < transaction.reads.size() ? take_value(responses[first + i], result)
-                                   : take_range(responses[first + i], result);
+    const std::size_t first = result.is_done ? transaction.writes.size() : 0;
+    if (responses.size() != first + transaction.reads.size())
+      throw NoAnswer("an answer with other parts than asked for");
+    for (std::size_t i = first; i < responses.size(); ++i) take_value(responses[i], result);
   }
   return result;
 }

@@ -35,32 +35,17 @@ struct StoreWrite {
   std::int64_t lease = 0;  // the key goes with it; 0: it stays
 };
 
-/// The keys from `first` on that come before `end`, in their order.
-struct StoreRange {
-  std::string first;
-  std::string end;
-  std::int64_t most = 0;  // keys that are read; 0: all
-};
-
-struct StoreKey {
-  std::string key;
-  std::string value;
-};
-
-/// Where all conditions hold the writes and deletes are done; keys and ranges are read then, in either case.
+/// Where all conditions hold the writes are done; the keys are read then, in either case.
 struct StoreTransaction {
   std::vector<StoreCondition> conditions;
   std::vector<StoreWrite> writes;
   std::vector<std::string> reads;
-  std::vector<StoreRange> deletes = {};  // none has a key that is written
-  std::vector<StoreRange> ranges = {};
 };
 
 struct StoreResult {
   bool is_done = false;
   std::vector<std::optional<std::string>> values = {};  // of the keys read, in their order; nothing: not there
   std::vector<std::int64_t> revisions = {};             // as many: of the newest write to each; 0: not there
-  std::vector<std::vector<StoreKey>> ranges = {};       // as many as were asked for
 };
 
 /// A store of keys with one order of all operations, and with leases: their keys are removed unless the holder renews the

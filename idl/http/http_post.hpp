@@ -35,12 +35,12 @@ enum class HttpFault : std::uint8_t { none, unanswered, closed, not_trusted, unu
 
 struct HttpAnswer {
   long status = 0;
-  /// At most kMostHttpBodyBytes; a longer one is a problem, and so is a longer line than kMostHttpLineBytes.
-  std::string body = {};
+  std::string body =
+      {};  // at most kMostHttpBodyBytes; a longer one is a problem, and so is a longer line than kMostHttpLineBytes
   std::string problem = {};  // why the request came to nothing, in a few words; empty: it was answered
   HttpFault fault = HttpFault::none;
 };
-inline constexpr std::size_t kMostHttpBodyBytes = 4'194'304;
+inline constexpr std::size_t kMostHttpBodyBytes = 65'536;
 inline constexpr std::size_t kMostHttpLineBytes = 4'194'304;
 
 /// Posts one after the other; a connection is kept for the next post to the same server.

@@ -164,18 +164,6 @@ std::optional<std::string> apply_fleet_setting(FleetOptions& fleet, Options& opt
   return found->apply(fleet, options, values[0]);
 }
 
-void require_authority(const FleetOptions& fleet) {
-  const bool needs_one = fleet.joins || !fleet.standby_of.empty();
-  if (!needs_one || fleet.authority) return;
-  throw OptionsError(std::string(fleet.joins ? "--join" : "--standby-of") +
-                     " needs --authority: etcd alone decides which server is the primary. Nothing was started\n"
-                     "       three lines start one etcd on this machine:\n"
-                     "         apt-get install etcd-server etcd-client\n"
-                     "         etcd --data-dir etcd &\n"
-                     "         etcdctl endpoint health\n"
-                     "       then give all servers of the namespace --authority etcd://127.0.0.1:2379");
-}
-
 void find_shard(FleetOptions& fleet, Options& options) {
   // As long as a server waits for its authority: an election of etcd's members takes one or two.
   constexpr std::chrono::seconds kPatience{6};

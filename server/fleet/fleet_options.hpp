@@ -21,7 +21,7 @@ struct FleetOptions {
   std::string shard_map_address;  // the shard's map is in etcd: until find_shard() only the shard's name is known
   std::uint64_t shard_map = 0;    // of a shard: the map's fingerprint
   std::optional<etcd::EtcdAddress> authority{};  // that says who is the primary; none: each server for itself
-  TakeOverMode authority_mode = TakeOverMode::fast;
+  TakeOverMode authority_mode = TakeOverMode::strict;
   int authority_lease_s = 0;
   std::string member;  // what it is called among the servers of its namespace; empty: by machine and process
 };
@@ -30,9 +30,6 @@ struct FleetOptions {
 /// what it holds of the world.
 std::optional<std::string> apply_fleet_setting(FleetOptions& fleet, Options& options, const Setting& setting,
                                                std::span<const std::string> values);
-
-/// throws  OptionsError for a server that stands by without an authority
-void require_authority(const FleetOptions& fleet);
 
 /// Looks in etcd which box the shard has, if its map is there. Waits for etcd for some seconds.
 ///

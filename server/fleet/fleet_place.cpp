@@ -31,6 +31,16 @@ std::string namespace_asked(const FleetOptions& fleet, const Options& options) {
                                   : wire_contract::replica_namespace(options.name_space, member_name(fleet.member));
 }
 
+/// The greatest epoch of the servers of the namespace, those that stand by among them; 0: there is none.
+std::uint64_t greatest_epoch(const dds::Participant& participant, const std::string& name_space, bool uses_keys) {
+  std::uint64_t greatest = 0;
+  hear_servers<wire::Member>(participant, name_space, listening_ns(uses_keys), [&](const wire::Member& member) {
+    greatest = std::max<std::uint64_t>(greatest, member.epoch);
+    return false;
+  });
+  return greatest;
+}
+
 bool is_there_a_primary(const FleetOptions& fleet, const dds::Participant& participant, const Options& options) {
   // One that stands by may be about to take the place of the one that this server was.
   constexpr std::int64_t kLongNs = 1'000'000'000;
@@ -45,10 +55,7 @@ MemberRole role_at_start(const FleetOptions& fleet, const dds::Participant& part
   return follows ? MemberRole::standby : MemberRole::primary;
 }
 
-/// From one look at who was heard to the next, at most: a tick.
-constexpr std::int64_t kClientsPeriodNs = 200'000'000;
-
-/// Null of a server alone, and of a replica.
+/// Null where there is no authority.
 std::unique_ptr<Election> make_election(const FleetOptions& fleet, const Options& options, ServingTerm& term,
                                         const Election::Notice& notice) {
   if (!fleet.authority || !fleet.replica_of.empty()) return nullptr;  // a replica never is the primary
@@ -71,7 +78,8 @@ std::unique_ptr<Election> make_election(const FleetOptions& fleet, const Options
       term, notice);
 }
 
-/// In fast mode a standby waits for --take-over-after alone, 0.2 s if nobody has said otherwise to it. In strict mode it waits first for the end of the lease, which etcd may keep a second longer.
+/// Without an authority, or in its fast mode, a standby waits for --take-over-after alone, 0.2 s if nobody has said
+/// otherwise to it. In strict mode it waits first for the end of the lease, which etcd may keep a second longer.
 std::int64_t replaced_within_ns(const FleetOptions& fleet) {
   constexpr std::int64_t kSecondNs = 1'000'000'000;
   const bool waits_for_lease = fleet.authority && fleet.authority_mode == TakeOverMode::strict;
@@ -99,6 +107,9 @@ void FleetPlace::warn(const std::string& sentence) const { log_->warn("{}", sent
 bool FleetPlace::has_to_be_alone() const { return is_replica() || (!begins_as_follower() && !fleet_.joins); }
 
 std::uint64_t FleetPlace::draw_epoch(std::uint64_t least) {
+  // A server that takes the primary's place has a greater one.
+  if (begins_as_follower())
+    least = std::max(least, greatest_epoch(participant_, options_.name_space, !options_.keys.empty()) + 1);
   if (!election_) return least;
   const std::uint64_t drawn = election_->begin(least);
   if (!begins_as_follower()) election_->win();
@@ -115,7 +126,6 @@ void FleetPlace::add_commands(CommandContext& context, std::vector<std::unique_p
 void FleetPlace::attach(PlaceCollaborators with) {
   with_.emplace(std::move(with));
   const Identity& identity = with_->identity;
-  epoch_.store(identity.epoch);
   if (is_replica()) sign_ = std::make_unique<ReplicaSign>(participant_, options_.name_space);
   else if (with_->durable != nullptr)
     feed_ = std::make_unique<ChangeFeed>(participant_, identity.server, identity.name_space);
@@ -139,14 +149,10 @@ Succession::Collaborators FleetPlace::succession_collaborators() {
                 if (election_) election_->lend();
               },
           .take_place_back = [this] { return !election_ || election_->take_back(); },
-          .doubt_place =
-              [this] {
-                if (election_) election_->ask_now();
-              },
           .answer_held_questions = [this] { with_->answering.go_on(); },
           .takes_questions = takes_questions_,
           .self = with_->identity.server,
-          .epoch = [this] { return epoch_.load(); },
+          .epoch = [this] { return epoch_now(); },
           .joins = fleet_.joins || is_replica(),
           .notice = [this](const std::string& sentence) { warn(sentence); },
           .became_primary =
@@ -199,21 +205,12 @@ void FleetPlace::list_wings(std::vector<Wing>& wings) const {
 }
 
 void FleetPlace::tick(bool leaves_out_poses) {
-  note_clients();
   if (const std::int64_t lapsed_ns = with_->event_writer.lapsed_ns(); lapsed_ns != 0 && may_publish())
     with_->loop.speak({.heard_ns = lapsed_ns});
   if (!readiness_) return;
   readiness_->note_turn();
   // Between the poses that are left the movers went another way than in the primary's world.
   if (leaves_out_poses) readiness_->doubt();
-}
-
-void FleetPlace::note_clients() {
-  if (!election_) return;
-  std::int64_t silent_ns = steady_ns() - with_->answering.heard_ns();
-  with_->loop.publishers().for_each(
-      clock_.now_ns(), [&](const PublisherView& view) { silent_ns = std::min(silent_ns, view.silent_ns); });
-  if (silent_ns < kClientsPeriodNs) election_->note_heard();
 }
 
 void FleetPlace::changed(const CommandAsk& ask) {
@@ -225,7 +222,7 @@ void FleetPlace::changed(const CommandAsk& ask) {
 
 SelfDescription FleetPlace::describe_self() {
   return {.role = [this] { return succession_->role(); },
-          .epoch = [this] { return epoch_.load(); },
+          .epoch = [this] { return epoch_now(); },
           .name = member_name(fleet_.member),
           .state = [this] { return own_state(); },
           .alarm = [this] { return alarm(); },
@@ -233,7 +230,6 @@ SelfDescription FleetPlace::describe_self() {
           .following = [this] { return following(); },
           .heard =
               [this](const OtherMember& other) {
-                if (election_) election_->note_heard();
                 if (is_following()) return standby_->hear(other);
                 succession_->hear(other);
                 followers_->hear(other);
@@ -275,6 +271,7 @@ void FleetPlace::stand_by() {
       Standby::PlaceCollaborators{
           .take_over = [this](const Standby::Predecessor& of, const std::string& why) { return take_over(of, why); },
           .has_place = [this] { return is_given_place(); },
+          .raise_epoch = [this](std::uint64_t least) { return raise_epoch(least); },
           .cannot_follow = [this] { cannot_follow(); }});
   if (readiness_)
     standby_->on_compared(
@@ -292,6 +289,8 @@ void FleetPlace::cannot_follow() {
   succession_->lose_place("this server was given the place, and gives it up: it ends, for another one to start");
 }
 
+std::uint64_t FleetPlace::epoch_now() const { return standby_ ? standby_->epoch() : with_->identity.epoch; }
+
 bool FleetPlace::has_come_as_far(const PublisherProgress& progress) const {
   return std::ranges::all_of(progress, [&](const auto& entry) {
     const auto& [publisher, sequence] = entry;
@@ -304,10 +303,15 @@ bool FleetPlace::is_given_place() const {
   return election_ && election_->has_place() && succession_->role() == wire_contract::MemberRole::standby;
 }
 
-bool FleetPlace::speak_as(std::uint64_t value) {
-  if (value == epoch_.load()) return true;
-  if (const std::string problem = raise_epoch(with_->epoch, value); !problem.empty())
-    log_->warn("the epoch {} is not written down: {}", value, problem);
+/// While it stands by it has told others only what it is: all else that it says comes with the primary's place.
+Standby::RaisedEpoch FleetPlace::raise_epoch(std::uint64_t least) {
+  std::uint64_t value = std::max(least, least_epoch_now());
+  if (election_) {
+    const std::optional<std::uint64_t> drawn = election_->draw_again(value);
+    if (!drawn) return {.problem = election_->problem()};
+    value = *drawn;
+  }
+  if (std::string problem = service::raise_epoch(with_->epoch, value); !problem.empty()) return {.problem = problem};
   const auto done = std::make_shared<std::promise<void>>();
   with_->inbox.push_own_job([this, value, done] {
     with_->world.set_epoch(value);
@@ -318,13 +322,12 @@ bool FleetPlace::speak_as(std::uint64_t value) {
     done->set_value();
   });
   constexpr std::chrono::seconds kPatience{3};
-  if (done->get_future().wait_for(kPatience) != std::future_status::ready) return false;
-  epoch_.store(value);
-  return true;
+  if (done->get_future().wait_for(kPatience) != std::future_status::ready) return {.problem = "it has too much to do"};
+  return {.value = value, .problem = {}};
 }
 
 bool FleetPlace::take_over(const Standby::Predecessor& of, const std::string& why) {
-  if (!election_->succeeds(of.epoch) || !speak_as(election_->epoch())) return false;
+  if (election_ && !election_->succeeds(of.epoch)) return false;
   if (feed_) feed_->continue_from(standby_->carried_out());
   if (!succession_->take_over(of.server, of.spoken, why)) return false;
   if (!of.is_same) {
@@ -333,7 +336,7 @@ bool FleetPlace::take_over(const Standby::Predecessor& of, const std::string& wh
         "the two heard each other last may have begun and ended no contact");
     with_->loop.ask_publishers_again();
   }
-  if (election_->mode() == TakeOverMode::fast)
+  if (election_ && election_->mode() == TakeOverMode::fast)
     log_->warn("the one before may publish and answer until it next asks etcd, for {:.1f} s at most",
                fleet_.authority_lease_s / 3.0);
   return true;
@@ -344,9 +347,9 @@ std::string FleetPlace::take_place(const HandoverWords& words) {
   // Clients take another server's word once they have heard that the primary stops, which comes to them another way than this
   // to here: they are given what they have where a primary dies.
   std::this_thread::sleep_for(std::chrono::nanoseconds(wire_contract::kTakeOverNs - wire_contract::kMayHaveHeirNs));
-  // The authority needs a moment to give the place.
+  // An authority needs a moment to give the place.
   constexpr std::int64_t kPatienceNs = 1'500'000'000;
-  const std::int64_t until_ns = steady_ns() + kPatienceNs;
+  const std::int64_t until_ns = steady_ns() + (election_ ? kPatienceNs : 0);
   for (;;) {
     if (standby_->take_place("the primary hands over")) return {};
     if (steady_ns() >= until_ns) return "it hands over, and this server does not hold all that it had";

@@ -74,15 +74,15 @@ class FleetPlace : public Place {
   void stand_by();
   /// This server has a standby's part now.
   bool is_following() const { return standby_ && succession_->role() != wire_contract::MemberRole::primary; }
-  /// The authority has given the primary's place to this server, which has not taken it yet.
+  /// An authority has given the primary's place to this server, which has not taken it yet.
   bool is_given_place() const;
-  /// Tells the election whether any client or publisher was heard lately.
-  void note_clients();
   void cannot_follow();
   std::string carry_out(const WorldChange& change);
-  /// Gives this server that epoch in all that it says from then on. False: the world's thread does not come to it.
-  bool speak_as(std::uint64_t epoch);
-  /// Makes this server the primary, if the authority gives it the place; of a standby.
+  /// Of now: see Standby::epoch().
+  std::uint64_t epoch_now() const;
+  /// See Standby::PlaceCollaborators.
+  Standby::RaisedEpoch raise_epoch(std::uint64_t least);
+  /// Makes this server the primary, if it may be; of a standby.
   bool take_over(const Standby::Predecessor& of, const std::string& why);
   /// The primary hands over to this server. Returns why it does not take the place; empty: it has.
   std::string take_place(const HandoverWords& words);
@@ -104,11 +104,10 @@ class FleetPlace : public Place {
   const std::shared_ptr<spdlog::logger> log_;
   const std::function<void()> end_;
   ServingTerm term_;
-  const std::unique_ptr<Election> election_;  // null: a server alone, or a replica
+  const std::unique_ptr<Election> election_;  // null: no authority
   const wire_contract::MemberRole first_role_;
   std::atomic<bool> takes_questions_;
   std::unique_ptr<ReplicaReadiness> readiness_;  // null: it is no replica
-  std::atomic<std::uint64_t> epoch_{0};          // 0: before attach()
   // From attach() on.
   std::optional<PlaceCollaborators> with_;
   std::unique_ptr<ReplicaSign> sign_;  // null: it is no replica

@@ -14,11 +14,7 @@ PlaceSource fleet_source() {
               [fleet](Options& options, const Setting& setting, std::span<const std::string> values) {
                 return apply_fleet_setting(*fleet, options, setting, values);
               },
-          .complete =
-              [fleet](Options& options) {
-                require_authority(*fleet);
-                find_shard(*fleet, options);
-              },
+          .complete = [fleet](Options& options) { find_shard(*fleet, options); },
           .make =
               [fleet](const Options& options, const dds::Participant& participant, const WorldClock& clock,
                       std::shared_ptr<spdlog::logger> log, std::function<void()> end) {

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <utility>
@@ -26,6 +27,8 @@ constexpr std::uint64_t kConfirmed = 2;
 Standby::Standby(const dds::Participant& participant, const Identity& identity,
                  const ChangeFollower::Collaborators& with, const PlaceRules& rules, PlaceCollaborators place)
     : with_(with),
+      self_(identity.server),
+      epoch_(identity.epoch),
       rules_(rules),
       place_(std::move(place)),
       follower_(participant, identity.server, identity.name_space, with) {
@@ -46,13 +49,39 @@ void Standby::leave() {
 }
 
 void Standby::hear(const OtherMember& other) {
-  if (other.role != MemberRole::primary) return;
+  if (other.role == MemberRole::replica) return;
+  if (other.role != MemberRole::primary) return hear_rival(other);
   follower_.follow(other.server, other.name);
   if (follower_.primary() != other.server) return hear_another_primary(other);
   note_primary(other);
+  is_outranked_.store(!rules_.is_replica && other.epoch >= epoch_.load());
+  if (is_outranked_.load() || shares_epoch()) {
+    raise_epoch();
+  } else {
+    const std::lock_guard lock(mutex_);
+    epoch_problem_.clear();
+  }
   if (!pulse_ || !pulse_->is_silent()) is_left_alone_.store(false);
   comparison_.hear(other.digest);
   judge();
+}
+
+void Standby::hear_rival(const OtherMember& rival) {
+  const std::lock_guard lock(mutex_);
+  const std::int64_t now_ns = steady_ns();
+  std::erase_if(rivals_, [&](const auto& entry) { return now_ns - entry.second.heard_ns > kMemberGoneNs; });
+  rivals_[rival.server] = {.epoch = rival.epoch, .is_ready = rival.state == ServerState::ready, .heard_ns = now_ns};
+}
+
+/// With another one that stands by, as two that are started at once. Were both to take the place, nobody could tell which is
+/// the later one: one of the two raises its own.
+bool Standby::shares_epoch() const {
+  if (rules_.is_replica) return false;
+  const std::lock_guard lock(mutex_);
+  return std::ranges::any_of(rivals_, [&](const auto& entry) {
+    const auto& [server, rival] = entry;
+    return rival.epoch == epoch_.load() && server < self_ && steady_ns() - rival.heard_ns < kMemberGoneNs;
+  });
 }
 
 void Standby::hear_another_primary(const OtherMember& other) {
@@ -90,6 +119,7 @@ void Standby::note_primary(const OtherMember& primary) {
     primary_name_ = primary.name;
     primary_epoch_ = primary.epoch;
     primary_heard_ns_ = steady_ns();
+    rivals_.erase(primary.server);
     if (has_turned) {
       first_to_differ_.clear();
       difference_.clear();
@@ -101,6 +131,34 @@ void Standby::note_primary(const OtherMember& primary) {
   with_.notice(fmt::format("'{}' has taken the primary's place, and is followed from now on", primary.name));
 }
 
+/// Above that of all others that are heard: whoever takes the primary's place has a greater epoch than all before.
+void Standby::raise_epoch() {
+  const std::lock_guard lock(taking_mutex_);
+  if (has_place_ || has_left_ || place_.has_place()) return;
+  std::uint64_t greatest = epoch_.load();
+  {
+    const std::lock_guard state_lock(mutex_);
+    greatest = std::max(greatest, primary_epoch_);
+    for (const auto& [server, rival] : rivals_) greatest = std::max(greatest, rival.epoch);
+  }
+  const RaisedEpoch raised = place_.raise_epoch(greatest + 1);
+  if (raised.problem.empty()) {
+    epoch_.store(raised.value);
+    is_outranked_.store(false);
+  }
+  const std::string sentence =
+      raised.problem.empty()
+          ? std::string()
+          : fmt::format("this server's epoch, {}, is not raised above {}: {}", epoch_.load(), greatest, raised.problem);
+  bool is_news = false;
+  {
+    const std::lock_guard state_lock(mutex_);
+    is_news = epoch_problem_.empty() && !sentence.empty();
+    epoch_problem_ = sentence;
+  }
+  if (is_news) with_.notice(sentence);
+}
+
 void Standby::refuse_for_good(std::string sentence) {
   {
     const std::lock_guard lock(mutex_);
@@ -109,6 +167,16 @@ void Standby::refuse_for_good(std::string sentence) {
   }
   with_.notice(sentence);
   place_.cannot_follow();
+}
+
+/// How many others that stand by go before this one. Each waits for those before it.
+int Standby::ready_before_this_one() const {
+  const std::lock_guard lock(mutex_);
+  return static_cast<int>(std::ranges::count_if(rivals_, [&](const auto& entry) {
+    const auto& [server, rival] = entry;
+    const bool is_there = rival.is_ready && steady_ns() - rival.heard_ns < kMemberGoneNs;
+    return is_there && std::pair(rival.epoch, server) > std::pair(epoch_.load(), self_);
+  }));
 }
 
 /// True once this server is the primary.
@@ -128,20 +196,22 @@ bool Standby::succeed(std::int64_t silent_ns) {
     if (place_.has_place()) place_.cannot_follow();
     return false;
   }
+  if (silent_ns < rules_.silent_after_ns * (1 + ready_before_this_one()) && !place_.has_place()) return false;
   return take_place(fmt::format("'{}' has been silent for {} ms", name, silent_ns / 1'000'000));
 }
 
-/// Once the authority has given the place to this server, the other one ends: what of the publishers' this one lacks, since it
+/// Once an authority has given the place to this server, the other one ends: what of the publishers' this one lacks, since it
 /// was cut off, the publishers say again. What commands did there nobody says again.
 bool Standby::may_take_place() const {
   if (place_.has_place()) return follower_.is_whole();
-  return follower_.is_whole() && is_same_.load();
+  return follower_.is_whole() && is_same_.load() && !is_outranked_.load();
 }
 
 /// Why may_take_place() says no.
 std::string Standby::what_is_missing() const {
   if (!follower_.is_whole()) return "what commands did there has not come";
   const std::lock_guard lock(mutex_);
+  if (!epoch_problem_.empty()) return epoch_problem_;
   if (first_to_differ_.empty()) return "the two worlds have not been found the same yet";
   return fmt::format("{} was not the same when the two worlds were compared last", first_to_differ_);
 }
@@ -204,7 +274,7 @@ Following Standby::following() const {
 }
 
 ServerState Standby::state() const {
-  const bool is_ready = follower_.is_whole() && is_same_.load();
+  const bool is_ready = follower_.is_whole() && is_same_.load() && !is_outranked_.load();
   return is_ready ? ServerState::ready : ServerState::recovering;
 }
 
@@ -217,6 +287,7 @@ std::string Standby::alarm() const {
   if (is_left_alone_.load()) add("the primary is silent, and this server does not hold all that it had");
   const std::lock_guard lock(mutex_);
   add(difference_);
+  add(epoch_problem_);
   add(no_heir_);
   return lines;
 }

@@ -70,8 +70,17 @@ void Succession::hear(const OtherMember& other) {
     followers_[other.server] = {.name = other.name, .is_ready = other.state == ServerState::ready, .heard_ns = now_ns};
     return;
   }
-  const bool may_be_heir = other.role == MemberRole::primary && other.epoch > with_.epoch();
-  if (may_be_heir && role() == MemberRole::primary) with_.doubt_place();
+  if (other.role != MemberRole::primary || role() != MemberRole::primary) return;
+  const bool is_heir = other.following.primary != 0 && other.epoch > with_.epoch();
+  const bool is_earlier = std::pair(other.epoch, other.server) < std::pair(with_.epoch(), with_.self);
+  if (is_heir) {
+    if (has_heir_.exchange(true) || hands_over_.load()) return;
+    give_way(fmt::format("'{}' (epoch {}) has taken this server's place, which was silent for too long; this one ends",
+                         other.name, other.epoch));
+  } else if (with_.joins && predecessor() == 0 && is_earlier) {
+    give_way(fmt::format("'{}' (epoch {}) was the primary before this server, which ends to stand by", other.name,
+                         other.epoch));
+  }
 }
 
 void Succession::forget(std::uint64_t server) {

@@ -16,8 +16,8 @@
 
 namespace collided::engine::service {
 
-/// Which part this server has in its namespace, and how that changes: a standby takes the place that the authority has given
-/// it, and a primary gives way once the authority has given its place to another server.
+/// Which part this server has in its namespace, and how that changes: a standby takes the place of a primary that has fallen
+/// silent or hands over, and a primary gives way to a standby that has taken its place.
 ///
 /// threads  hear() and forget() for one, the rest for any
 class Succession {
@@ -29,10 +29,9 @@ class Succession {
     std::function<void()> fall_silent;
     std::function<PublisherProgress()> say_last_words;              // and falls silent
     std::function<bool(const PublisherProgress&)> has_come_as_far;  // with the publishers that live
-    std::function<void()> lend_place;                               // for the one that is to take it
-    std::function<bool()> take_place_back;                          // from there; false: another one has it
-    std::function<void()> doubt_place;                              // another server says that it has it
-    std::function<void()> answer_held_questions;                    // those that came since it began to hand over
+    std::function<void()> lend_place;  // where an authority says who is the primary: for the one that is to take it
+    std::function<bool()> take_place_back;        // from there; false: another one has it
+    std::function<void()> answer_held_questions;  // those that came since it began to hand over
     std::atomic<bool>& takes_questions;
     std::uint64_t self = 0;                // number of this server
     std::function<std::uint64_t()> epoch;  // of this server
@@ -46,11 +45,12 @@ class Succession {
   wire_contract::MemberRole role() const { return role_.load(); }
   /// The server whose place this one has taken; 0: none.
   std::uint64_t predecessor() const { return predecessor_.load(); }
-  /// Another server of the namespace has said what it is.
+  /// Another server of the namespace has said what it is. Where it has taken this one's place, this one falls silent and
+  /// has its process end. So does one of two that have joined at once, that which began later.
   void hear(const OtherMember& other);
   /// Another server of the namespace has left.
   void forget(std::uint64_t server);
-  /// The authority says that another server has this one's place: falls silent, and has the process end.
+  /// The authority says that another server has this one's place: likewise.
   void lose_place(const std::string& why);
   /// This server stands by and cannot follow the primary any more. One that joins has its process end.
   void cannot_follow();

@@ -3,7 +3,6 @@
 #include <filesystem>
 #include <fstream>
 #include <functional>
-#include <memory>
 #include <random>
 #include <thread>
 
@@ -12,7 +11,6 @@
 #include "idl/dds.hpp"
 #include "tests/keys/key_folders.hpp"
 #include "tests/keys/stranger.hpp"
-#include "tests/service/etcd_process.hpp"
 #include "tests/service/eventually.hpp"
 #include "tests/service/server_process.hpp"
 
@@ -26,12 +24,6 @@ using testing_support::ChildProcess;
 class ServerWithKeys : public testing_support::ServerProcess {
  protected:
   ChildProcess& start_with_keys() { return start({"--keys", folders_.of("brain", {KeyRole::server})}); }
-  /// Has all servers that start from now on follow one etcd.
-  void start_etcd() {
-    etcd_ = std::make_unique<testing_support::EtcdCluster>(1, folder_.path());
-    ASSERT_TRUE(etcd_->is_ready(20s)) << etcd_->member(0).output();
-    options_of_all_ = {"--authority", etcd_->address()};
-  }
 
   Ended collide(const std::string& keys, const std::vector<std::string>& words,
                 const std::vector<std::string>& before = {}) {
@@ -51,7 +43,6 @@ class ServerWithKeys : public testing_support::ServerProcess {
   static bool says(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
   test::KeyFolders folders_;
-  std::unique_ptr<testing_support::EtcdCluster> etcd_;
 };
 
 TEST_F(ServerWithKeys, EachRoleDoesWhatItMayAndNoMore) {
@@ -75,16 +66,14 @@ TEST_F(ServerWithKeys, EachRoleDoesWhatItMayAndNoMore) {
 }
 
 TEST_F(ServerWithKeys, TheRoleOfAStandbyLetsItFollowAndTakeThePlace) {
-  if (!testing_support::has_etcd()) GTEST_SKIP() << "etcd-server is not installed";
-  start_etcd();
   start_with_keys();
   const std::string admin = folders_.of("boss", {KeyRole::admin});
   EXPECT_EQ(collide(admin, {"add", "crate", "box", "1", "1", "1", "--at", "9", "9", "9"}).code, 0);
   const testing_support::ScratchFolder elsewhere;
-  ChildProcess standby({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--standby-of", "collided", "--member",
-                        "south", "--state-dir", elsewhere.path(), "--keys", folders_.of("second", {KeyRole::standby}),
-                        "--take-over-after", "3s", "--authority", etcd_->address()},
-                       elsewhere.path(), "standby");
+  ChildProcess standby(
+      {COLLIDED_SERVER, "--domain", std::to_string(domain_), "--standby-of", "collided", "--member", "south",
+       "--state-dir", elsewhere.path(), "--keys", folders_.of("second", {KeyRole::standby}), "--take-over-after", "3s"},
+      elsewhere.path(), "standby");
   ASSERT_TRUE(standby.says("ready: standing by", 20s)) << standby.errors();
   const std::string watcher = folders_.of("screen", {KeyRole::watcher});
   Ended seen;
@@ -107,13 +96,10 @@ TEST_F(ServerWithKeys, TheRoleOfAStandbyLetsItFollowAndTakeThePlace) {
 }
 
 TEST_F(ServerWithKeys, TheRoleOfAStandbyLetsAReplicaAnswerWhoMayAsk) {
-  if (!testing_support::has_etcd()) GTEST_SKIP() << "etcd-server is not installed";
-  start_etcd();
   start_with_keys();
   const testing_support::ScratchFolder elsewhere;
   ChildProcess replica({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--replica-of", "collided", "--member",
-                        "east", "--state-dir", elsewhere.path(), "--keys", folders_.of("second", {KeyRole::standby}),
-                        "--authority", etcd_->address()},
+                        "east", "--state-dir", elsewhere.path(), "--keys", folders_.of("second", {KeyRole::standby})},
                        elsewhere.path(), "replica");
   ASSERT_TRUE(replica.says("ready: replica", 20s)) << replica.errors();
   const std::string asker = folders_.of("planner", {KeyRole::asker});

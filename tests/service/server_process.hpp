@@ -28,7 +28,6 @@ class ServerProcess : public ::testing::Test {
   /// Does not wait.
   ChildProcess& launch(const std::vector<std::string>& options, const std::string& name) {
     std::vector<std::string> words{COLLIDED_SERVER, "--domain", std::to_string(domain_), "--state-dir", folder_.path()};
-    words.insert(words.end(), options_of_all_.begin(), options_of_all_.end());
     words.insert(words.end(), options.begin(), options.end());
     servers_.push_back(std::make_unique<ChildProcess>(words, folder_.path(), name));
     return *servers_.back();
@@ -60,7 +59,6 @@ class ServerProcess : public ::testing::Test {
 
   ScratchFolder folder_;
   const int domain_ = own_domain();
-  std::vector<std::string> options_of_all_;  // of the servers that start() and launch() start
   std::vector<std::unique_ptr<ChildProcess>> servers_;
 };
 

@@ -14,8 +14,9 @@
 #include <vector>
 
 #include "collided/commands.hpp"
+#include "collided/fleet.hpp"
 #include "tests/oracle/seed.hpp"
-#include "tests/service/fleet_fixture.hpp"
+#include "tests/service/server_fixture.hpp"
 
 namespace collided {
 namespace {
@@ -37,13 +38,12 @@ bool is_same(const Answer& a, const Answer& b) {
          std::ranges::equal(a.hits, b.hits, [](const Hit& one, const Hit& other) { return is_same(one, other); });
 }
 
-class ServerReplica : public testing_support::FleetTest {
+class ServerReplica : public testing_support::ServerTest {
  protected:
   ChildProcess& start_replica(const std::string& name) {
     replicas_.push_back(std::make_unique<ChildProcess>(
         std::vector<std::string>{COLLIDED_SERVER, "--domain", std::to_string(domain_), "--replica-of", "collided",
-                                 "--member", name, "--state-dir", elsewhere_.path() + "/" + name, "--authority",
-                                 etcd_->address()},
+                                 "--member", name, "--state-dir", elsewhere_.path() + "/" + name},
         elsewhere_.path(), name + std::to_string(replicas_.size())));
     EXPECT_TRUE(replicas_.back()->says("ready: replica, namespace 'collided/replica_" + name + "'", 20s))
         << replicas_.back()->errors();
@@ -54,6 +54,12 @@ class ServerReplica : public testing_support::FleetTest {
         Client::connect({.domain = domain_, .name_space = name_space, .wait = 10s, .replicas = false});
     EXPECT_TRUE(client) << client.error().message << " " << client.error().hint;
     return std::move(*client);
+  }
+  FleetMember member(const std::string& name) {
+    const Result<Fleet> all = fleet({.domain = domain_});
+    if (!all) return {};
+    const auto found = std::ranges::find(all->members, name, &FleetMember::name);
+    return found == all->members.end() ? FleetMember{} : *found;
   }
   bool becomes_ready(const std::string& name) {
     return test::eventually([&] { return member(name).state == "ready"; }, 40s);

@@ -12,8 +12,9 @@
 #include <vector>
 
 #include "collided/commands.hpp"
+#include "collided/fleet.hpp"
 #include "idl/dds.hpp"
-#include "tests/service/fleet_fixture.hpp"
+#include "tests/service/server_fixture.hpp"
 
 namespace collided {
 namespace {
@@ -22,18 +23,24 @@ using namespace std::chrono_literals;
 using testing_support::ChildProcess;
 using testing_support::ScratchFolder;
 
-class ServerStandby : public testing_support::FleetTest {
+class ServerStandby : public testing_support::ServerTest {
  protected:
   ChildProcess& start_standby(const std::vector<std::string>& options = {}) {
     std::vector<std::string> words{COLLIDED_SERVER, "--domain", std::to_string(domain_), "--standby-of", "collided",
                                    "--member", "standby", "--state-dir", elsewhere_.path(),
                                    // A crowded machine would have it take over where a test does not expect it.
                                    "--take-over-after", "never"};
-    words.insert(words.end(), options_of_all_.begin(), options_of_all_.end());
     words.insert(words.end(), options.begin(), options.end());
     standbys_.push_back(std::make_unique<ChildProcess>(words, elsewhere_.path(), "standby"));
     EXPECT_TRUE(standbys_.back()->says("ready: standing by", 20s)) << standbys_.back()->errors();
     return *standbys_.back();
+  }
+  std::map<std::string, FleetMember> members() {
+    std::map<std::string, FleetMember> found;
+    const Result<Fleet> all = fleet({.domain = domain_});
+    if (!all) return found;
+    for (const FleetMember& member : all->members) found[member.name] = member;
+    return found;
   }
   /// Whether the two come to hold the same world, and the standby says so.
   ///
@@ -42,8 +49,9 @@ class ServerStandby : public testing_support::FleetTest {
     return test::eventually(
         [&] {
           meanwhile();
-          const FleetMember primary = member("primary");
-          const FleetMember standby = member("standby");
+          std::map<std::string, FleetMember> found = members();
+          const FleetMember& primary = found["primary"];
+          const FleetMember& standby = found["standby"];
           last_ = "primary " + primary.state + " standby " + standby.state + " alarm " + standby.alarm;
           return standby.state == "ready" && standby.hash_time != 0s && standby.hash_time == primary.hash_time &&
                  standby.world_hash == primary.world_hash && standby.alarm.empty();
@@ -89,7 +97,7 @@ TEST_F(ServerStandby, ItHoldsWhatPublishersSendAndWhatCommandsDoBeforeAndAfterIt
   command(client, "clear", R"({"scene": "wall"})");
   move(publisher, mover, at(0, 7, 5));
   EXPECT_TRUE(come_to_agree(speak)) << last_ << standbys_[0]->errors();
-  EXPECT_EQ(member("standby").scene_fingerprint, member("primary").scene_fingerprint);
+  EXPECT_EQ(members()["standby"].scene_fingerprint, members()["primary"].scene_fingerprint);
   const Result<Plan> plan = client.plan();
   ASSERT_TRUE(plan) << plan.error().message;
   EXPECT_TRUE(std::ranges::any_of(plan->wings, [](const Wing& wing) { return wing.name == "fleet" && wing.in_use; }));
@@ -134,10 +142,11 @@ TEST_F(ServerStandby, AWorldThatDiffersIsAnAlarmThatNamesTheObject) {
   ChildProcess& primary = start({"--member", "primary"});
   const std::string scene = COLLIDED_SOURCE_DIR "/deploy/examples/cell.csv";
   ChildProcess& standby = start_standby({scene});
-  EXPECT_TRUE(test::eventually([&] { return member("standby").alarm.find("differs first") != std::string::npos; }, 40s))
-      << member("standby").alarm << standby.errors();
+  EXPECT_TRUE(
+      test::eventually([&] { return members()["standby"].alarm.find("differs first") != std::string::npos; }, 40s))
+      << members()["standby"].alarm << standby.errors();
   EXPECT_NE(standby.errors().find("the world is not the primary's: object '"), std::string::npos) << standby.errors();
-  EXPECT_EQ(member("standby").state, "recovering");
+  EXPECT_EQ(members()["standby"].state, "recovering");
   EXPECT_EQ(primary.errors().find("two primaries"), std::string::npos);
 }
 
@@ -161,7 +170,7 @@ TEST_F(ServerStandby, ItStaysReadyWhileCommandsGoOn) {
   int looks = 0;
   const auto until = std::chrono::steady_clock::now() + 6s;
   for (; std::chrono::steady_clock::now() < until; ++looks) {
-    const FleetMember seen = member("standby");
+    const FleetMember seen = members()["standby"];
     EXPECT_EQ(seen.state, "ready") << seen.alarm;
   }
   is_over.store(true);
@@ -181,33 +190,33 @@ TEST_F(ServerStandby, WhatItCannotDoIsAnAlarm) {
             {SphereShape{.radius_m = 0.1}});
   }
   EXPECT_TRUE(test::eventually(
-      [&] { return member("standby").alarm.starts_with("what the primary did cannot be done here: "); }, 20s))
-      << member("standby").alarm;
+      [&] { return members()["standby"].alarm.starts_with("what the primary did cannot be done here: "); }, 20s))
+      << members()["standby"].alarm;
 }
 
 TEST_F(ServerStandby, APrimaryThatKeepsNothingCannotBeFollowedAndThatIsSaid) {
   ChildProcess primary({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--member", "primary", "--state-dir",
-                        folder_.write("no folder", ""), "--authority", etcd_->address()},
+                        folder_.write("no folder", "")},
                        folder_.path(), "primary");
   ASSERT_TRUE(primary.says("ready:", 20s)) << primary.errors();
   start_standby();
   EXPECT_TRUE(test::eventually(
-      [&] { return member("standby").alarm.starts_with("'primary' does not send what it keeps"); }, 40s))
-      << member("standby").alarm << standbys_[0]->errors();
-  EXPECT_EQ(member("standby").state, "recovering");
+      [&] { return members()["standby"].alarm.starts_with("'primary' does not send what it keeps"); }, 40s))
+      << members()["standby"].alarm << standbys_[0]->errors();
+  EXPECT_EQ(members()["standby"].state, "recovering");
 }
 
 TEST_F(ServerStandby, TwoStandbysBothFollow) {
   start({"--member", "primary"});
   start_standby();
   const ScratchFolder third;
-  ChildProcess other(
-      {COLLIDED_SERVER, "--domain", std::to_string(domain_), "--standby-of", "collided", "--member", "other",
-       "--state-dir", third.path(), "--take-over-after", "never", "--authority", etcd_->address()},
-      third.path(), "other");
+  ChildProcess other({COLLIDED_SERVER, "--domain", std::to_string(domain_), "--standby-of", "collided", "--member",
+                      "other", "--state-dir", third.path(), "--take-over-after", "never"},
+                     third.path(), "other");
   ASSERT_TRUE(other.says("ready: standing by", 20s)) << other.errors();
   EXPECT_TRUE(come_to_agree()) << last_;
-  EXPECT_TRUE(test::eventually([&] { return member("other").state == "ready"; }, 40s)) << other.errors();
+  EXPECT_TRUE(test::eventually([&] { return members()["other"].state == "ready"; }, 40s)) << other.errors();
+  EXPECT_EQ(members().size(), 3U);
 }
 
 // What a new primary has need not be what it has.
@@ -225,24 +234,17 @@ TEST_F(ServerStandby, APrimaryThatDiedIsMissedAndOneThatWasStartedAgainIsNotFoll
   start({"--member", "primary"}, "again");
   EXPECT_TRUE(test::eventually(
       [&] {
-        return member("standby").alarm.find("another one was followed; start this server again") != std::string::npos;
+        return members()["standby"].alarm.find("another one was followed; start this server again") !=
+               std::string::npos;
       },
       20s))
-      << member("standby").alarm;
-}
-
-TEST_F(ServerStandby, ItNeedsAnAuthorityAndTheRefusalShowsHowToStartOne) {
-  const Ended refused = run({"--domain", std::to_string(domain_), "--join", "collided", "--state-dir", folder_.path()});
-  EXPECT_EQ(refused.code, 2);
-  for (const char* part : {"--join needs --authority", "apt-get install etcd-server", "etcd --data-dir",
-                           "etcdctl endpoint health", "--authority etcd://127.0.0.1:2379"})
-    EXPECT_NE(refused.errors.find(part), std::string::npos) << refused.errors;
+      << members()["standby"].alarm;
 }
 
 TEST_F(ServerStandby, ItNeedsAStateFolderOfItsOwn) {
   start({"--member", "primary"});
-  const Ended refused = run({"--domain", std::to_string(domain_), "--standby-of", "collided", "--state-dir",
-                             folder_.path(), "--authority", etcd_->address()});
+  const Ended refused =
+      run({"--domain", std::to_string(domain_), "--standby-of", "collided", "--state-dir", folder_.path()});
   EXPECT_EQ(refused.code, 2);
   EXPECT_NE(refused.errors.find("give a standby a --state-dir of its own"), std::string::npos) << refused.errors;
 }

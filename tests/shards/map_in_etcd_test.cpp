@@ -181,13 +181,13 @@ TEST_F(MapInEtcd, WithoutEtcdASplitGoesNeitherOnNorBack) {
 
 // Its standby takes the place only once the lease is gone, after three seconds; what happens meanwhile is told then.
 TEST_F(MapInEtcd, AWatchWaitsForAStandbyAsLongAsTheAuthorityDoes) {
-  const std::vector<std::string> strict{"--authority", etcd_->address(), "--authority-mode", "strict"};
+  const std::vector<std::string> strict{"--authority", etcd_->address()};
   start_shard("west", strict);
   start_shard("east");
   servers_.push_back(std::make_unique<ChildProcess>(
       std::vector<std::string>{COLLIDED_SERVER, "--domain", std::to_string(domain_), "--standby-of", "collided",
                                "--shard", map_file_ + ":west", "--member", "west_2", "--state-dir",
-                               folder_.path() + "/west_2", strict[0], strict[1], strict[2], strict[3]},
+                               folder_.path() + "/west_2", strict[0], strict[1]},
       folder_.path(), "west_2"));
   const auto said = [&] { return connect_to_shard("west").command("shard", "{}"); };
   ASSERT_TRUE(said());

@@ -44,9 +44,7 @@ std::uint64_t Election::begin(std::uint64_t least) {
   const std::int64_t until_ns = steady_ns() + patience_ns();
   for (;;) {
     try {
-      const std::uint64_t drawn = leadership_.draw_epoch(least);
-      epoch_.store(drawn);
-      return drawn;
+      return leadership_.draw_epoch(least);
     } catch (const etcd::StoreError& failed) {
       note_problem(failed.what());
       if (steady_ns() > until_ns)
@@ -67,7 +65,8 @@ void Election::win() {
       if (steady_ns() - free_since_ns >= kStandbysFirstNs) now = leadership_.take();
       note_problem("");
       if (now == State::held) {
-        note_place();
+        term_.set(leadership_.confirmed_until_ns());
+        has_place_.store(true);
         break;
       }
       if (now == State::free) why = "the place is taken again and again";
@@ -140,30 +139,8 @@ void Election::look_after(std::uint64_t wanted) {
     notice_("this server's place as the primary is confirmed again: it goes on");
 }
 
-void Election::note_place() {
-  term_.set(leadership_.confirmed_until_ns());
-  note_heard();
-  has_place_.store(true);
-}
-
-void Election::note_heard() { heard_ns_.store(steady_ns(), std::memory_order_relaxed); }
-
-/// Whether it serves nobody, while another server that sees clients would.
-bool Election::is_cut_off() const {
-  return options_.mode == TakeOverMode::strict && leadership_.is_wanted() &&
-         steady_ns() - heard_ns_.load(std::memory_order_relaxed) > options_.life_s * kSecondNs;
-}
-
 void Election::hold() {
   const State now = leadership_.confirm();
-  if (now == State::held && is_cut_off()) {
-    term_.end();
-    has_place_.store(false);
-    leadership_.resign();
-    return leave_to(
-        "a standby wants this server's place, and no client or member was heard here for as long as a lease "
-        "lives: this server gives the place up and ends");
-  }
   if (now == State::held) return term_.set(leadership_.confirmed_until_ns());
   // Its own lease has ended, and nobody has taken the place: the next look takes it again.
   if (now == State::free && leadership_.last_epoch() == leadership_.epoch()) return;
@@ -185,16 +162,17 @@ void Election::leave_to(const std::string& why) {
 }
 
 void Election::try_to_succeed(std::uint64_t predecessor) {
-  if (leadership_.epoch() <= predecessor) epoch_.store(leadership_.draw_epoch(predecessor + 1));
   switch (leadership_.succeed(predecessor, options_.mode)) {
-    case State::held: note_place(); break;
+    case State::held:
+      term_.set(leadership_.confirmed_until_ns());
+      has_place_.store(true);
+      break;
     case State::passed:
       throw etcd::StoreError(fmt::format("the one that took the place last has epoch {}, not {}, which was followed",
                                          leadership_.last_epoch(), predecessor));
     case State::others:
       if (!std::exchange(is_waiting_told_, true))
         notice_(fmt::format("waiting for the lease of {} to end", leadership_.holder()));
-      leadership_.want();
       break;
     case State::free: break;  // its lease has just ended; the next try takes it
   }
@@ -227,10 +205,15 @@ void Election::done_on_thread(std::function<void()> job) {
   done.get_future().wait();
 }
 
-void Election::ask_now() {
-  const std::lock_guard lock(mutex_);
-  next_ns_ = 0;
-  changed_.notify_all();
+std::optional<std::uint64_t> Election::draw_again(std::uint64_t least) {
+  std::optional<std::uint64_t> drawn;
+  done_on_thread([&] {
+    if (has_place_.load()) return;
+    try {
+      drawn = leadership_.draw_epoch(least);
+    } catch (const etcd::StoreError& failed) { note_problem(failed.what()); }
+  });
+  return drawn;
 }
 
 void Election::lend() {

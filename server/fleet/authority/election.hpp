@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 
@@ -20,7 +21,7 @@ struct ElectionOptions {
   std::string prefix;       // of the keys
   int life_s = 0;           // of the lease
   std::string description;  // of this server, in the store
-  TakeOverMode mode = TakeOverMode::fast;
+  TakeOverMode mode = TakeOverMode::strict;
 };
 
 /// Has this server's leadership taken, confirmed and given up, on a thread of its own; who steps and who answers only
@@ -50,13 +51,9 @@ class Election {
   /// a second: to be called again and again.
   bool succeeds(std::uint64_t predecessor);
   bool has_place() const { return has_place_.load(); }
-  /// The epoch with which this server has the place, once it has it: greater than those of all that had it before.
-  std::uint64_t epoch() const { return epoch_.load(); }
-  /// A client, a publisher or another member has been heard. In strict mode a primary that has heard none of them for as
-  /// long as a lease lives gives the place up to a standby that wants it.
-  void note_heard();
-  /// Another server seems to have the place: asks the store at once.
-  void ask_now();
+  /// Draws a greater epoch, at least that one, for a server that stands by. Waits for the store, after connect().
+  /// returns  nothing where the store does not answer, which problem() tells, or where this server has the place
+  std::optional<std::uint64_t> draw_again(std::uint64_t least);
   /// Gives the place up for a moment, for another one to take it. Waits for the store.
   void lend();
   /// Has the place again. Waits for the store. False: another one has it.
@@ -72,9 +69,7 @@ class Election {
   void start();
   void run();
   void look_after(std::uint64_t wanted);
-  void note_place();
   void hold();
-  bool is_cut_off() const;
   void try_to_succeed(std::uint64_t predecessor);
   void note_problem(const std::string& problem);
   void leave_to(const std::string& why);
@@ -91,9 +86,7 @@ class Election {
   bool is_waiting_told_ = false;  // that another one's lease has not ended yet
   bool is_silence_told_ = false;
   std::atomic<bool> has_place_{false};
-  std::atomic<std::uint64_t> epoch_{0};
-  std::atomic<std::int64_t> heard_ns_{0};  // when anything else than the store was heard last, steady clock
-  mutable std::mutex mutex_;               // for the rest
+  mutable std::mutex mutex_;  // for the rest
   std::condition_variable changed_;
   Notice has_successor_;
   std::string problem_;

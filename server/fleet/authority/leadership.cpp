@@ -31,7 +31,6 @@ Leadership::Leadership(etcd::LeaseStore& store, std::string prefix, int life_s, 
       epoch_key_(prefix + "/epoch"),
       last_key_(prefix + "/last"),
       place_key_(prefix + "/place"),
-      wanted_key_(prefix + "/wanted"),
       life_s_(life_s),
       description_(std::move(description)),
       now_ns_(std::move(now_ns)) {}
@@ -69,7 +68,6 @@ void Leadership::renew_lease() {
 Leadership::PlaceState Leadership::read_state(const etcd::StoreResult& result) {
   last_epoch_ = read_epoch_text(last_key_, result.values.at(0));
   holder_ = result.values.at(1).value_or("");
-  is_wanted_ = result.values.at(2).value_or(epoch_text(epoch_)) != epoch_text(epoch_);
   if (last_epoch_ > epoch_) return PlaceState::passed;
   if (!result.values.at(1)) return PlaceState::free;
   return last_epoch_ == epoch_ ? PlaceState::held : PlaceState::others;
@@ -85,7 +83,7 @@ Leadership::PlaceState Leadership::take_if(etcd::StoreCondition last, bool has_t
   renew_lease();
   etcd::StoreTransaction taking{.conditions = {std::move(last)},
                                 .writes = {{place_key_, description_, lease_}, {last_key_, epoch_text(epoch_)}},
-                                .reads = {last_key_, place_key_, wanted_key_}};
+                                .reads = {last_key_, place_key_}};
   if (has_to_be_free) taking.conditions.push_back({.key = place_key_});
   return confirmed(read_state(store_.transact(taking)));
 }
@@ -115,11 +113,7 @@ Leadership::PlaceState Leadership::confirm() {
 }
 
 Leadership::PlaceState Leadership::look() {
-  return read_state(store_.transact({.conditions = {}, .writes = {}, .reads = {last_key_, place_key_, wanted_key_}}));
-}
-
-void Leadership::want() {
-  store_.transact({.conditions = {}, .writes = {{wanted_key_, epoch_text(epoch_), lease_}}, .reads = {}});
+  return read_state(store_.transact({.conditions = {}, .writes = {}, .reads = {last_key_, place_key_}}));
 }
 
 void Leadership::resign() {

@@ -14,12 +14,11 @@ namespace collided::engine::service {
 /// fast    at once; that one may go on until it asks next
 enum class TakeOverMode : std::uint8_t { strict, fast };
 
-/// Who is the primary of a namespace, as a store of leases has it. Three keys and one counter:
+/// Who is the primary of a namespace, as a store of leases has it. Two keys and one counter:
 ///
 ///   PREFIX/epoch   the newest epoch that was given out
 ///   PREFIX/last    the epoch of the server that took the place last
 ///   PREFIX/place   who has the place; goes with that server's lease
-///   PREFIX/wanted  the epoch of a standby that sees clients unserved; goes with that server's lease
 ///
 /// An epoch is given out once, by a compare-and-swap, and is greater than all before it. The place goes by another one
 /// to who knows whose place it takes: of two that take the same one's place one is refused. Nobody but the last one who
@@ -57,10 +56,6 @@ class Leadership {
   PlaceState look();
   /// Gives the place up.
   void resign();
-  /// Asks whoever has the place to give it up, while this server's lease lives. After succeed(), which renews that.
-  void want();
-  /// Whether another server wanted the place, as of the last call.
-  bool is_wanted() const { return is_wanted_; }
 
   /// Until when the newest confirmation lets this server serve, steady clock: a third of the lease's life after the
   /// question was asked. The other two thirds are for clocks that run apart, for what is written just then, and for a
@@ -80,7 +75,6 @@ class Leadership {
   const std::string epoch_key_;
   const std::string last_key_;
   const std::string place_key_;
-  const std::string wanted_key_;
   const int life_s_;
   const std::string description_;
   const std::function<std::int64_t()> now_ns_;
@@ -90,7 +84,6 @@ class Leadership {
   std::int64_t confirmed_until_ns_ = 0;
   std::uint64_t last_epoch_ = 0;
   std::string holder_;
-  bool is_wanted_ = false;
 };
 
 }  // namespace collided::engine::service

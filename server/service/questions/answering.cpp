@@ -88,7 +88,6 @@ void Answering::drain(const dds::Taker<wire::Query>& taker, AskPointer* single) 
     }
     const std::size_t count = taker.take(room);
     const std::int64_t now_ns = steady_ns();
-    if (count > 0) heard_ns_.store(now_ns, std::memory_order_relaxed);
     for (std::size_t i = 0; i < count; ++i) {
       if (!next_[i]->query.info().valid_data) continue;
       next_[i]->taken_ns = now_ns;

@@ -91,8 +91,6 @@ class Answering {
   /// is_recorded  whether the flight recorder keeps the replies
   void send_text(std::uint64_t client, std::uint64_t request, wire_contract::ReplyStatus status, std::string text,
                  bool is_recorded = true);
-  /// When any client was heard last, steady clock; 0: never. Any thread.
-  std::int64_t heard_ns() const { return heard_ns_.load(std::memory_order_relaxed); }
   /// Records that a client has gone, and what was removed with it: wire_contract::command::kClientGone. Any thread.
   void send_farewell(std::uint64_t client) { queue_.push_own(Farewell{client}); }
   /// Call this regularly, from one thread: refuses questions that waited too long at a barrier, expires leases, forgets
@@ -176,7 +174,6 @@ class Answering {
   PastStates past_states_;
   AnsweringOptions options_;
   std::atomic<std::uint64_t> epoch_;
-  std::atomic<std::int64_t> heard_ns_{0};  // when any client was heard last, steady clock
   Command command_;
   AskPool pool_;
   FairQueue<Work> queue_;

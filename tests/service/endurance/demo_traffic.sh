@@ -8,7 +8,6 @@ export COLLIDED_DOMAIN=$4 COLLIDED_COLOR=never
 house=/usr/share/assimp/models/IFC/AC14-FZK-Haus.ifc
 walk=/usr/share/assimp/models/BVH/01_01.bvh
 for file in "$house" "$walk"; do [[ -r $file ]] || { echo "$file is missing (package assimp-testmodels)"; exit 77; }; done
-command -v etcd >/dev/null || { echo "etcd is missing (package etcd-server)"; exit 77; }
 work=$(mktemp -d)
 started=()
 finish() {
@@ -51,12 +50,7 @@ kill "$server"
 wait "$server" || true
 
 serve alone --namespace alone
-port=$((23000 + COLLIDED_DOMAIN))
-etcd --data-dir "$work/etcd" --listen-client-urls "http://127.0.0.1:$port" --advertise-client-urls "http://127.0.0.1:$port" \
-  --listen-peer-urls "http://127.0.0.1:$((port + 1000))" >"$work/etcd.out" 2>&1 &
-started+=($!)
-authority=(--authority "etcd://127.0.0.1:$port")
-serve m0 --namespace demo "${authority[@]}"
+serve m0 --namespace demo
 primary=$server
 for namespace in alone demo; do
   floor "$namespace"
@@ -75,7 +69,7 @@ until_s=$((SECONDS + for_s))
 while ((SECONDS < until_s)); do
   next_s=$((SECONDS + every_s))
   name=m$((kills + 1))
-  serve "$name" --standby-of demo "${authority[@]}"
+  serve "$name" --standby-of demo
   for ((i = 0; i < 800; ++i)); do
     ! "$collide" fleet --namespace demo --fields name,role,state 2>/dev/null | grep -qP "^$name\tstandby\tready" || break
     sleep 0.05

@@ -1,8 +1,9 @@
 // A standby takes the place of a primary again and again, beside a publisher that moves, a watch and a client that asks:
-//   failover SERVER[,OTHER] ROUNDS [SEED] [kill|stop|hand_over] [TAKE_OVER_MS] [fast|strict] [STANDBYS]
+//   failover SERVER[,OTHER] ROUNDS [SEED] [kill|stop|hand_over] [TAKE_OVER_MS] [strict|fast|none] [STANDBYS]
 // OTHER: a server of another version; members are of the two by turns, so that each takes over from the other.
 // kill: the primary is killed. stop: it is stopped, and goes on at once or at a random moment after its place was taken. hand_over: it is
-// told to end, and no question may fail. fast, strict: how an etcd gives the place; exits 77 where none is installed.
+// told to end, and no question may fail. strict, fast: beside an etcd that says who is the primary; exits 77 where none is
+// installed.
 // STANDBYS: so many stand by at a time, 1. Each round one of them takes the place; the others follow that one, and a new one is
 // started. The contacts are known: a ball that crosses a post's
 // surface between two poses touches it, or parts from it, once. Prints the gaps, and exits 1 where an event was lost, told twice,
@@ -51,6 +52,7 @@ struct Heard {
 class Failover {
  public:
   enum class How { kill, stop, hand_over };
+  /// authority_mode  empty: without an authority
   /// servers  programs, which members are of by turns
   Failover(std::vector<std::string> servers, std::uint64_t seed, How how, std::string take_over_ms,
            const std::string& authority_mode, std::size_t standby_count)
@@ -60,8 +62,11 @@ class Failover {
         how_(how),
         take_over_ms_(std::move(take_over_ms)),
         standby_count_(standby_count) {
-    if (!etcd_.is_ready(20s)) std::printf("etcd does not start: %s\n", etcd_.member(0).output().c_str());
-    authority_ = {"--authority", etcd_.address(), "--authority-mode", authority_mode};
+    if (!authority_mode.empty()) {
+      etcd_.emplace(1, folder_.path());
+      if (!etcd_->is_ready(20s)) std::printf("etcd does not start: %s\n", etcd_->member(0).output().c_str());
+      authority_ = {"--authority", etcd_->address(), "--authority-mode", authority_mode};
+    }
     primary_ = start(false);
     client_.emplace(value_of(Client::connect({.domain = domain_, .wait = 20s}), "connect"));
     publisher_.emplace(value_of(client_->publish("balls", {.lease = 60s}), "publish"));
@@ -142,7 +147,8 @@ class Failover {
     for (const auto& [name, standby] : standbys_) all += name + ": " + standby->errors() + "\n";
     return all;
   }
-  /// The one of the standbys that is the primary now; null: none is.
+  /// The one of the standbys that is the primary now; null: none is. Where the machine stood still two may have taken the place;
+  /// the one with the lower epoch gives way.
   std::unique_ptr<ChildProcess> take_heir() {
     std::string heir = standbys_.size() == 1 ? standbys_.begin()->first : std::string();
     static_cast<void>(wait_until(
@@ -328,7 +334,7 @@ class Failover {
   std::mutex random_mutex_;
   std::mt19937_64 random_;
   ScratchFolder folder_;
-  EtcdCluster etcd_{1, folder_.path()};
+  std::optional<EtcdCluster> etcd_;
   std::vector<std::string> authority_;  // options of each server
   const int domain_;
   const std::vector<std::string> servers_;
@@ -367,9 +373,9 @@ int main(int count, char** words) {
   const std::uint64_t seed = count > 3 ? std::strtoull(words[3], nullptr, 10) : 28;
   using How = Failover::How;
   const std::string how = count > 4 ? words[4] : "kill";
-  const std::string authority_mode = count > 6 ? words[6] : "fast";
+  const std::string authority_mode = count > 6 && words[6] != std::string("none") ? words[6] : "";
   const std::size_t standby_count = count > 7 ? std::strtoull(words[7], nullptr, 10) : 1;
-  if (!has_etcd()) return 77;
+  if (!authority_mode.empty() && !has_etcd()) return 77;
   std::printf("seed %llu\n", static_cast<unsigned long long>(seed));
   std::fflush(stdout);
   std::vector<std::string> servers(1);

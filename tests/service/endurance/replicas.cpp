@@ -24,7 +24,6 @@
 #include "collided/fleet.hpp"
 #include "tests/service/child_process.hpp"
 #include "tests/service/endurance/measuring.hpp"
-#include "tests/service/etcd_process.hpp"
 
 namespace collided::testing_support {
 namespace {
@@ -72,7 +71,6 @@ class ReplicaFaults {
   std::unique_ptr<ChildProcess> start(const std::string& name, const std::vector<std::string>& more) {
     std::vector<std::string> words{server_, "--domain",    std::to_string(domain_),    "--member",
                                    name,    "--state-dir", folder_.path() + "/" + name};
-    words.insert(words.end(), {"--authority", etcd_.address()});
     words.insert(words.end(), more.begin(), more.end());
     auto process = std::make_unique<ChildProcess>(words, folder_.path(), name + "-" + std::to_string(started_++));
     if (!process->says("ready:", 20s)) std::printf("%s does not start: %s\n", name.c_str(), process->errors().c_str());
@@ -174,7 +172,6 @@ class ReplicaFaults {
 
   std::mt19937_64 random_;
   ScratchFolder folder_;
-  EtcdCluster etcd_{1, folder_.path()};
   const int domain_;
   const std::string server_;
   const bool stops_;
@@ -200,7 +197,6 @@ class ReplicaFaults {
 int main(int count, char** words) {
   const std::vector<std::string> given(words + 1, words + count);
   if (given.size() < 2) return 2;
-  if (!collided::testing_support::has_etcd()) return 77;
   const std::uint64_t seed = given.size() > 2 ? std::stoull(given[2]) : 28;
   std::printf("seed %s\n", std::to_string(seed).c_str());
   collided::testing_support::ReplicaFaults faults(given[0], seed, given.size() > 3 && given[3] == "stop");

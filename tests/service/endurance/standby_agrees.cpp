@@ -1,7 +1,7 @@
 // A standby beside a primary whose world commands and publishers change at random; it starts in the middle of that:
 //   standby_agrees SERVER ROUNDS [SEED]
 // Prints a line for each round; exits 1 where the two do not come to hold the same world, or the standby says that it
-// could not do something that the primary did, 77 where no etcd is installed.
+// could not do something that the primary did.
 
 #include <chrono>
 #include <cstdio>
@@ -19,7 +19,6 @@
 #include "collided/fleet.hpp"
 #include "tests/service/child_process.hpp"
 #include "tests/service/endurance/measuring.hpp"
-#include "tests/service/etcd_process.hpp"
 
 namespace collided::testing_support {
 namespace {
@@ -80,7 +79,6 @@ class Round {
                                    folder_.path() + "/" + name,
                                    // It compares; a busy machine is no reason to change who is the primary.
                                    "--take-over-after", "never"};
-    words.insert(words.end(), {"--authority", etcd_.address()});
     words.insert(words.end(), more.begin(), more.end());
     auto process = std::make_unique<ChildProcess>(words, folder_.path(), name);
     if (!process->says("ready:", 20s)) std::printf("%s does not start: %s\n", name.c_str(), process->errors().c_str());
@@ -160,7 +158,6 @@ class Round {
 
   std::mt19937_64 random_;
   ScratchFolder folder_;
-  EtcdCluster etcd_{1, folder_.path()};
   const int domain_;
   const std::string server_;
   std::unique_ptr<ChildProcess> primary_;
@@ -178,7 +175,6 @@ class Round {
 int main(int count, char** words) {
   using namespace collided::testing_support;
   if (count < 3) return 2;
-  if (!has_etcd()) return 77;
   const int rounds = std::atoi(words[2]);
   const std::uint64_t seed = count > 3 ? std::strtoull(words[3], nullptr, 10) : 28;
   std::printf("seed %llu\n", static_cast<unsigned long long>(seed));

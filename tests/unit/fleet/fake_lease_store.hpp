@@ -5,7 +5,6 @@
 #include <mutex>
 #include <optional>
 #include <string>
-#include <vector>
 
 #include "idl/etcd/lease_store.hpp"
 
@@ -43,14 +42,6 @@ class FakeLeaseStore : public etcd::LeaseStore {
     for (const etcd::StoreCondition& condition : transaction.conditions) result.is_done &= holds(condition);
     for (const etcd::StoreWrite& write : transaction.writes)
       if (result.is_done) keys_[write.key] = {write.value, write.lease, ++newest_revision_};
-    for (const etcd::StoreRange& range : transaction.deletes)
-      if (result.is_done) keys_.erase(keys_.lower_bound(range.first), keys_.lower_bound(range.end));
-    for (const etcd::StoreRange& range : transaction.ranges) {
-      std::vector<etcd::StoreKey>& found = result.ranges.emplace_back();
-      for (auto at = keys_.lower_bound(range.first); at != keys_.lower_bound(range.end); ++at)
-        if (range.most == 0 || found.size() < static_cast<std::size_t>(range.most))
-          found.push_back({at->first, at->second.value});
-    }
     for (const std::string& key : transaction.reads) {
       result.values.push_back(keys_.contains(key) ? std::optional(keys_[key].value) : std::nullopt);
       result.revisions.push_back(keys_.contains(key) ? keys_[key].revision : 0);

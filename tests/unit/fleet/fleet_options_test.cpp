@@ -72,8 +72,7 @@ TEST_F(FleetSettingsFile, EverySettingSetsItsOwnFieldAndNoOther) {
       {"server.take_over_after", "3s", [](const Parsed& p) { return p.fleet.take_over_ns == 3'000'000'000; }},
       {"server.authority", "etcd://a:1/k",
        [](const Parsed& p) { return p.fleet.authority && p.fleet.authority->key == "k"; }},
-      {"server.authority_mode", "strict",
-       [](const Parsed& p) { return p.fleet.authority_mode == TakeOverMode::strict; }},
+      {"server.authority_mode", "fast", [](const Parsed& p) { return p.fleet.authority_mode == TakeOverMode::fast; }},
       {"server.authority_lease", "5s", [](const Parsed& p) { return p.fleet.authority_lease_s == 5; }},
       {"server.member", "north-1", [](const Parsed& p) { return p.fleet.member == "north-1"; }},
   };
@@ -141,15 +140,6 @@ TEST(FleetSettings, AShardOfAMapInEtcdIsAnAddressWithAKeyAndAName) {
   EXPECT_EQ(options.name_space, "yard/shard_west");
   for (const char* bad : {"etcd://a:1:west", "etcd://a:1/:west", "etcd://a/yard:west", "etcd://a:1/yard"})
     EXPECT_THROW(parse({"--shard", bad}), OptionsError) << bad;
-}
-
-TEST(FleetSettings, WhatStandsByNeedsAnAuthority) {
-  for (const char* part : {"--standby-of", "--join"}) {
-    EXPECT_THROW(require_authority(parse({part, "yard"}).fleet), OptionsError) << part;
-    EXPECT_NO_THROW(require_authority(parse({part, "yard", "--authority", "etcd://a:1"}).fleet)) << part;
-  }
-  EXPECT_NO_THROW(require_authority(parse({}).fleet));
-  EXPECT_EQ(parse({}).fleet.authority_mode, TakeOverMode::fast);
 }
 
 TEST(FleetSettings, AnAuthorityIsAnAddressAndItsLeaseWholeSeconds) {
