@@ -32,6 +32,7 @@ NO_MEMBER = {
 }
 # Options that Python lacks.
 NO_OPTION = {
+    "ConnectOptions": {"etcd_keys"},  # for shard maps
     "ClearanceOptions": {"progress"},  # a function that the library calls, as the next two
     "ReplayOptions": {"go_on", "at_end"},
 }
