@@ -55,7 +55,7 @@ MemberRole role_at_start(const FleetOptions& fleet, const dds::Participant& part
   return follows ? MemberRole::standby : MemberRole::primary;
 }
 
-/// Null where there is no authority.
+/// Null without an authority.
 std::unique_ptr<Election> make_election(const FleetOptions& fleet, const Options& options, ServingTerm& term,
                                         const Election::Notice& notice) {
   if (!fleet.authority || !fleet.replica_of.empty()) return nullptr;  // a replica never is the primary

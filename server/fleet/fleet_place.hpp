@@ -78,7 +78,7 @@ class FleetPlace : public Place {
   bool is_given_place() const;
   void cannot_follow();
   std::string carry_out(const WorldChange& change);
-  /// Of now: see Standby::epoch().
+  /// The present epoch; see Standby::epoch().
   std::uint64_t epoch_now() const;
   /// See Standby::PlaceCollaborators.
   Standby::RaisedEpoch raise_epoch(std::uint64_t least);

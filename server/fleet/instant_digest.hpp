@@ -33,7 +33,7 @@ class DigestMaker {
   /// The state that it is of; null: there is none.
   const std::shared_ptr<const Snapshot>& state() const { return state_; }
 
-  /// Of the scenes that are loaded now. Costs something once for each change of them.
+  /// The fingerprint of the scenes that are loaded now. Costs something once for each change of them.
   std::uint64_t scene_fingerprint();
 
  private:

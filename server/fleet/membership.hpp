@@ -23,7 +23,7 @@ inline constexpr std::int64_t kMemberGoneNs = 4 * wire_contract::kMemberPeriodNs
 /// What a server is called: as its options say, else by the machine's name and the process number.
 std::string member_name(const std::string& given);
 
-/// What a standby wants of its primary; all numbers grow. Of a primary: whose place it has taken.
+/// What a standby wants of its primary; all numbers grow. A primary reports whose place it has taken.
 struct Following {
   std::uint64_t primary = 0;  // 0: none is followed
   std::uint64_t fetch = 0;  // of all that is kept; of a primary: how many of that one's changes it carried out, plus 1
@@ -101,7 +101,7 @@ class Membership {
   dds::Sample<wire::Member> heard_;                             // likewise
   std::map<std::uint64_t, OtherMember> others_;                 // likewise
   DigestMaker digests_;                                         // likewise
-  std::map<std::pair<std::string, std::uint64_t>, int> looks_;  // likewise: at how many in a row a fault was found
+  std::map<std::pair<std::string, std::uint64_t>, int> looks_;  // in how many in a row a fault was found
   std::atomic<bool> says_now_{false};
   std::atomic<bool> is_over_{false};
   std::thread thread_;

@@ -40,7 +40,7 @@ void PrimaryPulse::run() {
     waitset_.wait(kLookNs);
     take();
     const std::int64_t now_ns = steady_ns();
-    // Of its own standstill the primary is not to be blamed: it is given the whole time again.
+    // A standstill of this process must not count against the primary, which gets the whole time again.
     if (now_ns - looked_ns_ > kStoodStillNs && blamed_ns_ != 0) blamed_ns_ = now_ns;
     looked_ns_ = now_ns;
     const std::int64_t silent_ns = blamed_ns_ == 0 ? 0 : now_ns - blamed_ns_;

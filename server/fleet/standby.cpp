@@ -109,7 +109,7 @@ bool Standby::turn_to(const OtherMember& heir) {
   return true;
 }
 
-/// Of the one that is followed.
+/// Notes a record of the followed primary.
 void Standby::note_primary(const OtherMember& primary) {
   bool has_turned = false;
   {

@@ -43,9 +43,9 @@ class Standby {
   struct PlaceCollaborators {
     /// Makes this server the primary in the place of that one; false: not yet.
     std::function<bool(const Predecessor& of, const std::string& why)> take_over;
-    /// Whether an authority has given this server the place: then it takes over, whatever the primary says.
+    /// Whether an authority has given this server the place: then it takes over, whatever the primary publishes.
     std::function<bool()> has_place;
-    /// Gives this server another epoch, at least that one, in all that it says from then on. Waits until that is written down.
+    /// Gives this server another epoch, at least that one, in all that it publishes from then on. Waits until that is written down.
     std::function<RaisedEpoch(std::uint64_t least)> raise_epoch;
     /// Called once it is clear that this server has to be started again; more than once maybe. Where it has the place, nobody
     /// else can take it before.

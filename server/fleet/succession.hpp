@@ -50,7 +50,7 @@ class Succession {
   void hear(const OtherMember& other);
   /// Another server of the namespace has left.
   void forget(std::uint64_t server);
-  /// The authority says that another server has this one's place: likewise.
+  /// The authority has given this one's place to another server; does the same.
   void lose_place(const std::string& why);
   /// This server stands by and cannot follow the primary any more. One that joins has its process end.
   void cannot_follow();

@@ -27,7 +27,7 @@ class WorldComparison {
   std::uint64_t compared() const { return compared_; }
   /// The newest instant that was compared; 0: none was.
   std::int64_t compared_to_ns() const { return compared_to_ns_; }
-  /// The first object that differs, at the newest instant at which the two did; empty where none can be named.
+  /// The first object that differs, at the newest instant at which the two did; empty if none can be named.
   const std::string& object() const { return object_; }
   std::int64_t differed_at_ns() const { return differed_at_ns_; }
   /// True if all objects of publishers were equal then, and only objects of scenes and commands differed.

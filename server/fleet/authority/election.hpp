@@ -51,8 +51,8 @@ class Election {
   /// a second: to be called again and again.
   bool succeeds(std::uint64_t predecessor);
   bool has_place() const { return has_place_.load(); }
-  /// Draws a greater epoch, at least that one, for a server that stands by. Waits for the store, after connect().
-  /// returns  nothing where the store does not answer, which problem() tells, or where this server has the place
+  /// Draws a greater epoch, at least `least`, for a standby. Waits for the store, after connect().
+  /// returns  nothing if the store does not answer, see problem(), or if this server has the place
   std::optional<std::uint64_t> draw_again(std::uint64_t least);
   /// Gives the place up for a moment, for another one to take it. Waits for the store.
   void lend();

@@ -43,7 +43,7 @@ class Leadership {
     held,    // this server has the place, at least until confirmed_until_ns()
     free,    // nobody has it
     others,  // another one has it
-    passed,  // likewise, or had it: one that may not be succeeded by this server
+    passed,  // another one has or had it, and this server may not succeed it
   };
   /// Takes the place if nobody has it; of any server whose epoch is lower.
   PlaceState take();
