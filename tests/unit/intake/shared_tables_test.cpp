@@ -87,10 +87,10 @@ TEST(IntakeSceneFileTables, ABufferThatIsNamedAgainAndAgainCannotGrowBeyondTheFi
 
 TEST(IntakeSceneFileTables, AnotherFormatNumberIsRefused) {
   flatbuffers::FlatBufferBuilder builder;
-  format::FinishSceneBuffer(builder, format::CreateScene(builder, 4, builder.CreateString("later")));
+  format::FinishSceneBuffer(builder, format::CreateScene(builder, 5, builder.CreateString("later")));
   EXPECT_EQ(
       test::complaint("later.cscene", {reinterpret_cast<const char*>(builder.GetBufferPointer()), builder.GetSize()}),
-      "later.cscene: scene format 4, this program reads up to 3. Nothing was loaded.");
+      "later.cscene: scene format 5, this program reads up to 4. Nothing was loaded.");
 }
 
 }  // namespace
