@@ -11,7 +11,6 @@
 
 #include "client/library/connection/errors.hpp"
 #include "client/fleet/shards/every_shard.hpp"
-#include "client/fleet/shards/shard_holdings.hpp"
 #include "client/fleet/shards/shard_pairs.hpp"
 
 namespace collided::client {

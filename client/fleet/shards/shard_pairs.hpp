@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <optional>
 #include <string>
 
 #include "client/fleet/shards/shard_links.hpp"
@@ -20,5 +22,11 @@ Result<ShardedPairAnswer> pair_of_shards(ShardLinks& links, const std::string& a
 /// threads  any
 Result<ShardedClearanceAnswer> clearance_of_shards(ShardLinks& links, const std::string& from,
                                                    const ClearanceOptions& options);
+
+/// Whether a shard has an object of that name; nothing: it does not answer that. A refusal can have other reasons.
+std::optional<bool> has_object(Client& shard, const std::string& name);
+
+/// A lower bound of the number of a shard's objects in a group: an object, a scene or a glob; nothing: it does not answer that.
+std::optional<std::uint64_t> count_of_group(Client& shard, const std::string& group);
 
 }  // namespace collided::client
