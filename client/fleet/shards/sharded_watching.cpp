@@ -97,7 +97,8 @@ std::optional<SettledTime> ShardedWatching::settled_of(std::size_t shard) const 
   return watch->feed().settled();
 }
 
-/// Returns false while another server may be taking the shard's place: until then, nothing can be settled.
+/// Returns false while the shard comes in step, or another server may be taking its place: until then, nothing can be
+/// settled.
 bool ShardedWatching::look_at(std::size_t shard) {
   WatchedShard& watched = shards_[shard];
   if (!watched.watch) watch_new(shard);
@@ -108,7 +109,8 @@ bool ShardedWatching::look_at(std::size_t shard) {
     there_ |= shards::set_of(shard);
     return !is_replaced;
   }
-  if (!watched.settled) return true;
+  // A shard that answers comes in step soon, and until then its events may be late.
+  if (!watched.settled) return !links_->answers(shard);
   if (Clock::now() - watched.there < links_->replaced_within(shard)) return false;
   watched.settled.reset();
   ++gaps_;
